@@ -17,14 +17,12 @@ use tackscope::numerics::cancel::Cancel;
 use tackscope::physics::body::Body;
 use tackscope::physics::indenter::Indenter;
 use tackscope::physics::law::{DoubleExponential, Law, Mie, Morse, Shape};
+use tackscope::physics::mesh_rule::next_fast;
 use tackscope::physics::theory::flat;
-use tackscope::scene::mesh::next_fast;
 use tackscope::scene::part::{Part, Strategy};
 use tackscope::scene::{Cell, Drive, LawChoice, Model, Points, Range, Scene, Turn};
 use tackscope::solver::methods::MethodKind::NewtonKrylov;
-use tackscope::study::error_bar::{measured_error, read_off};
-use tackscope::study::plan::run_planned;
-use tackscope::study::plan::{Plan, plan};
+use tackscope::study::plan::{Plan, measured_error, plan, read_off, run_planned};
 
 /// What came of one scene.
 struct Trial {

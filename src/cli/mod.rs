@@ -6,11 +6,8 @@
 //! standard output, progress and refusals to standard error. May use every room below.
 
 mod catalogue;
-mod chart;
-mod diagram;
 mod figure;
-mod ground;
-mod map;
+mod pages;
 mod progress;
 mod report;
 mod run;
@@ -78,7 +75,7 @@ enum Command {
     ///
     /// Writes map.csv (jumps and ends of patterns, with the loss), map.svg and map.png into the
     /// folder. A value whose loop is not known is said, and in the picture: exit code 3.
-    Map(map::MapArguments),
+    Map(pages::MapArguments),
     /// Compute the loops of a scene at many values of its numbers
     ///
     /// Writes sweep.csv, a row a loop as it is done, sweep.svg and sweep.png into the folder. The
@@ -324,22 +321,29 @@ fn seconds(word: &str) -> Result<f64, String> {
 /// converged, 130 interrupted.
 pub fn main() -> ExitCode {
     ExitCode::from(match CommandLine::try_parse() {
-        Ok(arguments) => match arguments.command {
-            Some(Command::Run(arguments)) => code(run::run(&arguments)),
-            Some(Command::Diagram(arguments)) => code(diagram::diagram(&arguments)),
-            Some(Command::Map(arguments)) => code(map::map(&arguments)),
-            Some(Command::Sweep(arguments)) => code(sweep::sweep(&arguments)),
-            Some(Command::Ground(arguments)) => code(ground::ground(&arguments)),
-            Some(Command::Chart(arguments)) => code(chart::chart(&arguments)),
-            Some(Command::Figure(arguments)) => code(figure::figure(&arguments)),
-            Some(Command::Table(arguments)) => code(figure::table(&arguments)),
-            Some(Command::Presets) => code(catalogue::presets()),
-            Some(Command::Lessons(arguments)) => code(catalogue::lessons(&arguments)),
-            Some(Command::Scene(arguments)) => code(catalogue::scene(&arguments)),
-            None => window_or_default_scene(),
-        },
+        Ok(CommandLine {
+            command: Some(command),
+        }) => code(perform(&command)),
+        Ok(CommandLine { command: None }) => window_or_default_scene(),
         Err(words) => code(explain(&words)),
     })
+}
+
+/// Does what is told.
+fn perform(command: &Command) -> Result<u8, Failure> {
+    match command {
+        Command::Run(arguments) => run::run(arguments),
+        Command::Diagram(arguments) => pages::diagram(arguments),
+        Command::Map(arguments) => pages::map(arguments),
+        Command::Sweep(arguments) => sweep::sweep(arguments),
+        Command::Ground(arguments) => pages::ground(arguments),
+        Command::Chart(arguments) => pages::chart(arguments),
+        Command::Figure(arguments) => figure::figure(arguments),
+        Command::Table(arguments) => figure::table(arguments),
+        Command::Presets => catalogue::presets(),
+        Command::Lessons(arguments) => catalogue::lessons(arguments),
+        Command::Scene(arguments) => catalogue::scene(arguments),
+    }
 }
 
 /// The scene of this name with so many points a side in place of its own, and how to name both in a
@@ -460,21 +464,9 @@ fn window_or_default_scene() -> u8 {
             warn(format_args!(
                 "no window here ({reason}): running the scene fig2 into tackscope-out/ instead"
             ));
-            code(run::run(&RunArguments {
-                scene: "fig2".to_owned(),
-                output: Output {
-                    out: PathBuf::from("tackscope-out"),
-                    quiet: false,
-                },
-                method: MethodKind::NewtonKrylov,
-                seed: None,
-                points: None,
-                step: None,
-                verify: false,
-                fields: None,
-                model: Asked(None),
-                yardstick: false,
-            }))
+            let words = ["tackscope", "run", "fig2", "--out", "tackscope-out"];
+            let instead = CommandLine::parse_from(words).command;
+            instead.map_or(DONE, |command| code(perform(&command)))
         }
     }
 }

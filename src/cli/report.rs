@@ -18,8 +18,7 @@ use crate::storage::summary::{
     UnitsSummary, Yardstick,
 };
 use crate::storage::{Failure, VERSION, drawing, export, files, picture};
-use crate::study::error_bar::reference;
-use crate::study::plan::{Plan, predicted_error, promise, stated_error};
+use crate::study::plan::{Plan, predicted_error, promise, reference, stated_error};
 use std::sync::{Arc, Mutex};
 
 /// A walk with what it took.

@@ -18,9 +18,9 @@ use crate::solver::methods::MethodKind;
 use crate::storage::fields::Collector;
 use crate::storage::summary::{Number, Summary, write_summary};
 use crate::storage::{Failure, scene_file};
-use crate::study::error_bar::{measured_error, reference};
-use crate::study::plan::run_planned;
-use crate::study::plan::{Plan, plan as plan_of, promise, refusal};
+use crate::study::plan::{
+    Plan, measured_error, plan as plan_of, promise, reference, refusal, run_planned,
+};
 use cpu_time::ProcessTime;
 use ndarray::Array2;
 use std::time::Instant;

@@ -5,18 +5,14 @@
 //! column = x. The forward transform carries the factor 1/N, so that an amplitude is in the unit of
 //! its field.
 
-pub mod basis;
 pub mod cancel;
-pub mod chebyshev;
 pub mod cosine;
 pub mod eigen;
-pub mod exponential;
 pub mod factor;
 pub mod fourier;
-pub mod harmonic;
+pub mod functions;
 pub mod krylov;
 pub mod lanczos;
 pub mod precision;
-pub mod spherical_bessel;
 pub mod threads;
 pub mod vector;

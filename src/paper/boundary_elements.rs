@@ -10,11 +10,11 @@
 //! if straight, 0.13 all around a circle of their area), which makes an error of first order in da;
 //! a circle's ragged edge adds noise, averaged over radii within da.
 
-use super::task::{Stopped, Task};
+use super::figure::{Stopped, Task};
 use crate::numerics::cancel::Cancel;
 use crate::numerics::cosine::{Cosine, CosineScratch};
 use crate::numerics::krylov::{CgEnd, CgLimits, conjugate_gradients};
-use crate::physics::theory::discs::Kind;
+use crate::physics::theory::circular::Kind;
 use std::cell::RefCell;
 use std::f64::consts::PI;
 

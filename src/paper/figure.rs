@@ -1,9 +1,12 @@
 //! What the paper shows as values: its figures, made of diagrams, its table, and numbers held
-//! against numbers from elsewhere.
+//! against numbers from elsewhere; and the order to compute one: how large, when to stop, whom to
+//! tell.
 
-use super::task::{Stopped, Task};
+use crate::numerics::cancel::Cancel;
+use crate::numerics::threads;
 use crate::plot::panel::{Page, Panel};
 use crate::scene::Scene;
+use std::sync::{Mutex, PoisonError};
 
 /// A place in the gallery.
 pub struct Entry {
@@ -129,4 +132,175 @@ pub struct Table {
     pub words: String,
     /// Numbers held against numbers from elsewhere.
     pub findings: Vec<Finding>,
+}
+
+/// How much work a figure may be.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Size {
+    /// Seconds at most: fewer points and coarser meshes, for the window and the tests.
+    Quick,
+    /// As in the paper.
+    #[default]
+    Full,
+}
+
+/// Why there is no figure.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum Stopped {
+    /// Somebody asked to stop.
+    #[error("stopped")]
+    Cancelled,
+    /// A computation that the figure cannot do without has failed.
+    #[error("{0}")]
+    Failed(String),
+}
+
+/// An order to compute a figure.
+pub struct Task<'a> {
+    /// How large.
+    pub size: Size,
+    /// Raised to stop.
+    pub cancel: &'a Cancel,
+    /// What takes the place of the paper's scenes, in a figure that can be of another.
+    pub scene: Option<&'a Scene>,
+    observe: &'a mut (dyn FnMut(f64, &str) + Send),
+    share: [f64; 2],
+}
+
+impl<'a> Task<'a> {
+    /// An order; `observe` is told the share that is done (0 to 1) and what is being done.
+    pub fn new(
+        size: Size,
+        cancel: &'a Cancel,
+        observe: &'a mut (dyn FnMut(f64, &str) + Send),
+    ) -> Self {
+        Self {
+            size,
+            cancel,
+            scene: None,
+            observe,
+            share: [0.0, 1.0],
+        }
+    }
+
+    /// The same of another scene than the paper's.
+    pub fn of(self, scene: Option<&'a Scene>) -> Self {
+        Self { scene, ..self }
+    }
+
+    /// The part of it that goes from share `from` to share `to`.
+    pub fn part(&mut self, from: f64, to: f64) -> Task<'_> {
+        let [low, high] = self.share;
+        let at = |share: f64| low + (high - low) * share;
+        Task {
+            size: self.size,
+            cancel: self.cancel,
+            scene: self.scene,
+            share: [at(from), at(to)],
+            observe: self.observe,
+        }
+    }
+
+    /// Tells the share that is done and what is being done.
+    ///
+    /// # Errors
+    /// [`Stopped::Cancelled`] if somebody asked to stop, so that a loop can say `task.tell(...)?`.
+    pub fn tell(&mut self, done: f64, what: &str) -> Result<(), Stopped> {
+        let [low, high] = self.share;
+        (self.observe)(low + (high - low) * done.clamp(0.0, 1.0), what);
+        if self.cancel.requested() {
+            Err(Stopped::Cancelled)
+        } else {
+            Ok(())
+        }
+    }
+
+    /// Does `work` on every item, several at a time, the dearest first; `cost`, in any unit, is its
+    /// share of the progress. Results stand in the order of the items.
+    ///
+    /// # Errors
+    /// What the first item says that fails: the others are then stopped.
+    pub fn each<I: Sync, R: Send>(
+        &mut self,
+        items: &[I],
+        cost: impl Fn(&I) -> f64,
+        work: impl Fn(&I, &mut Task<'_>) -> Result<R, Stopped> + Sync,
+    ) -> Result<Vec<R>, Stopped> {
+        let costs: Vec<f64> = items.iter().map(cost).collect();
+        let all: f64 = costs.iter().sum();
+        let mut order: Vec<usize> = (0..items.len()).collect();
+        order.sort_by(|a, b| costs[*b].total_cmp(&costs[*a]));
+        let (size, scene, cancel) = (self.size, self.scene, self.cancel.part());
+        let told = Mutex::new((self, vec![0.0; items.len()]));
+        let results = threads::side_by_side(order, |index| {
+            let mut observe = |done: f64, what: &str| {
+                let mut told = told.lock().unwrap_or_else(PoisonError::into_inner);
+                let (task, shares) = &mut *told;
+                shares[index] = done * costs[index] / all;
+                // A request to stop reaches the work by its own token.
+                let _ = task.tell(shares.iter().sum(), what);
+            };
+            let mut part = Task::new(size, &cancel, &mut observe).of(scene);
+            let result = work(&items[index], &mut part);
+            if result.is_err() {
+                cancel.request();
+            }
+            result
+        });
+        let (done, mut failed): (Vec<_>, Vec<_>) = results.into_iter().partition(Result::is_ok);
+        failed.sort_by_key(|why| matches!(why, Err(Stopped::Cancelled)));
+        failed.into_iter().chain(done).collect()
+    }
+
+    /// `full` or `quick`, as the order says.
+    pub fn choose<T>(&self, quick: T, full: T) -> T {
+        match self.size {
+            Size::Quick => quick,
+            Size::Full => full,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    proptest! {
+        #[test]
+        fn progress_of_work_side_by_side_never_steps_back(
+            costs in prop::collection::vec(0.1_f64..10.0, 1..12)
+        ) {
+            let (cancel, mut told) = (Cancel::default(), Vec::new());
+            let mut observe = |done, _: &str| told.push(done);
+            let mut task = Task::new(Size::Quick, &cancel, &mut observe);
+            let doubled = task.part(0.2, 0.7).each(&costs, |cost| *cost, |cost, task| {
+                for i in 0..=5 {
+                    task.tell(f64::from(i) / 5.0, "")?;
+                }
+                Ok(2.0 * cost)
+            });
+            prop_assert_eq!(doubled, Ok(costs.iter().map(|cost| 2.0 * cost).collect()));
+            prop_assert!(told.is_sorted() && told[0] >= 0.2);
+            prop_assert!((told[told.len() - 1] - 0.7).abs() < 1e-12);
+        }
+    }
+
+    #[test]
+    fn a_failure_stops_the_work_beside_it_and_is_what_is_told() {
+        let cancel = Cancel::default();
+        let result = Task::new(Size::Quick, &cancel, &mut |_, _| ()).each(
+            &[1.0, 2.0],
+            |cost| *cost,
+            |cost, task| {
+                if *cost == 2.0 {
+                    return Err(Stopped::Failed("no".to_owned()));
+                }
+                while task.tell(0.5, "").is_ok() {}
+                Err::<(), _>(Stopped::Cancelled)
+            },
+        );
+        assert_eq!(result, Err(Stopped::Failed("no".to_owned())));
+        assert!(!cancel.requested(), "only the part is stopped");
+    }
 }

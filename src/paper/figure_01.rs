@@ -1,9 +1,7 @@
 //! Fig. 1: the model from the side, drawn from a solved state.
 
-use super::figure::{Figure, Finding};
-use super::loops::{refused, seen};
-use super::task::{Stopped, Task};
-use super::{Entry, scenes};
+use super::figure::{Entry, Figure, Finding, Stopped, Task};
+use super::scenes::{self, refused, seen};
 use crate::follow::record::Direction;
 use crate::follow::walk::WalkOptions;
 use crate::physics::grid::Grid;

@@ -1,8 +1,7 @@
 //! Fig. 4: where the flat surface gives way, against the size of the cell.
 
-use super::figure::{Figure, Finding};
-use super::task::{Stopped, Task};
-use super::{Entry, scenes};
+use super::figure::{Entry, Figure, Finding, Stopped, Task};
+use super::scenes;
 use crate::follow::record::Direction;
 use crate::numerics::cancel::Cancel;
 use crate::numerics::vector::norm;

@@ -1,13 +1,11 @@
 //! Fig. 5: the elastic energy of a ridge at zero range.
 
 use super::boundary_elements::{Sample, ridge_energies, ridge_slopes};
-use super::figure::{Figure, Finding};
-use super::task::{Stopped, Task};
-use super::{Entry, scenes};
-use crate::physics::theory::asymptotes::{
+use super::figure::{Entry, Figure, Finding, Stopped, Task};
+use super::scenes;
+use crate::physics::theory::ridge::{
     self, FLATTENING_PRINTED, THIN_CONSTANT, THIN_CONSTANT_PRINTED,
 };
-use crate::physics::theory::ridge;
 use crate::plot::panel::{Axis, Colour, Content, Inset, Panel, Role, Series, Symbol};
 
 pub(super) const ENTRY: Entry = Entry {
@@ -69,7 +67,7 @@ fn curve(
 }
 
 fn lines() -> Vec<Series> {
-    let thin = |c| move |abar: f64| asymptotes::ridge_thin(abar, c);
+    let thin = |c| move |abar: f64| ridge::thin(abar, c);
     vec![
         curve("exact", Role::Theory, Colour::Ink, [0.01, 0.95], |abar| {
             ridge::elastic_energy(1.0 - abar)[0]
@@ -79,7 +77,7 @@ fn lines() -> Vec<Series> {
             Role::Theory,
             Colour::Blue,
             [0.01, 0.95],
-            |abar| asymptotes::ridge_thick(1.0 - abar),
+            |abar| ridge::thick(1.0 - abar),
         ),
         curve(
             "thin, Eq. 22 corrected",
@@ -107,7 +105,7 @@ fn symbols(name: &str, samples: &[Sample], x: impl Fn(f64) -> f64) -> Series {
 
 fn inset(slopes: &[Sample]) -> Panel {
     let range = [0.87, 0.95];
-    let right = asymptotes::flattening();
+    let right = ridge::critical();
     Panel {
         x: Axis::linear("α").from_to(range[0], range[1]),
         y: Axis::linear("v̂′").from_to(-2.42, -2.24),
@@ -171,14 +169,14 @@ fn findings(energies: &[Sample], slopes: &[Sample]) -> Vec<Finding> {
         Finding::new(
             "v̂_c",
             exact.elastic_energy[0],
-            FLATTENING_PRINTED.elastic_energy,
+            FLATTENING_PRINTED.elastic_energy[0],
             "printed before Eq. 24",
             None,
         ),
         Finding::new(
             "v̂‴_c",
             exact.elastic_energy[3],
-            FLATTENING_PRINTED.third,
+            FLATTENING_PRINTED.elastic_energy[3],
             "printed before Eq. 24",
             None,
         ),

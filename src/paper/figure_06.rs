@@ -1,11 +1,9 @@
 //! Fig. 6: the width of a ridge at zero range against displacement.
 
 use super::boundary_elements::ridge_slopes;
-use super::figure::{Figure, Finding};
-use super::task::{Stopped, Task};
-use super::{Entry, scenes};
-use crate::physics::theory::asymptotes::{self, FLATTENING_PRINTED};
-use crate::physics::theory::ridge;
+use super::figure::{Entry, Figure, Finding, Stopped, Task};
+use super::scenes;
+use crate::physics::theory::ridge::{self, Critical, FLATTENING_PRINTED};
 use crate::plot::panel::{Axis, Colour, Panel, Role, Series, Symbol};
 use crate::plot::scale::steps;
 
@@ -51,7 +49,7 @@ fn exact(u: f64) -> f64 {
 /// Largest relative error of Eq. 23 up to the end of the ridge.
 fn thick_error() -> f64 {
     let end = ridge::critical().displacement;
-    let cube_root = |u: f64| (asymptotes::ridge_thick_alpha(u) / exact(u) - 1.0).abs();
+    let cube_root = |u: f64| (ridge::thick_alpha(u) / exact(u) - 1.0).abs();
     let reached = steps(0.0, end, 600).skip(1);
     reached.map(cube_root).fold(0.0, f64::max)
 }
@@ -59,8 +57,7 @@ fn thick_error() -> f64 {
 /// The exact ridge, its expansions, and the points `found` by boundary elements.
 fn panel(found: Vec<[f64; 2]>) -> Panel {
     let end = ridge::critical();
-    let right = asymptotes::flattening();
-    let expansion = |flattening: asymptotes::Flattening| move |u: f64| flattening.alpha_at(u);
+    let expansion = |point: Critical| move |u: f64| point.alpha_at(u);
     Panel {
         x: Axis::linear("ũ₀ = u₀/(γL/E*)^½").from_to(0.0, 0.7),
         y: Axis::linear("α (share of the cell out of contact)").from_to(0.0, 1.0),
@@ -77,20 +74,20 @@ fn panel(found: Vec<[f64; 2]>) -> Panel {
                 Role::Theory,
                 Colour::Blue,
                 [0.0, 0.7],
-                asymptotes::ridge_thick_alpha,
+                ridge::thick_alpha,
             ),
             curve(
                 "flattening, Eq. 24 corrected",
                 Role::Theory,
                 Colour::Orange,
                 [0.5, end.displacement],
-                expansion(right),
+                expansion(end),
             ),
             curve(
                 "flattening, Eq. 24 printed",
                 Role::Printed,
                 Colour::Orange,
-                [0.5, (-1.0 / FLATTENING_PRINTED.slope).sqrt()],
+                [0.5, (-1.0 / FLATTENING_PRINTED.elastic_energy[1]).sqrt()],
                 expansion(FLATTENING_PRINTED),
             ),
             Series::symbols("boundary elements", Symbol::Circle, Colour::Ink, found),

@@ -1,13 +1,10 @@
 //! Fig. 7: the ridge alone, for two ranges of adhesion, against the ridge of zero range.
 
-use super::Entry;
-use super::figure::{Figure, Finding};
-use super::loops::{ends, line_cell, on_part, ridges, thinned, units};
-use super::task::{Stopped, Task};
+use super::figure::{Entry, Figure, Finding, Stopped, Task};
+use super::scenes::{ends, line_cell, on_part, ridges, thinned, units};
 use crate::follow::record::Direction;
 use crate::follow::run::LoopRun;
-use crate::physics::theory::asymptotes::{self, FLATTENING_PRINTED};
-use crate::physics::theory::ridge;
+use crate::physics::theory::ridge::{self, FLATTENING_PRINTED};
 use crate::plot::panel::{Arrow, Axis, Colour, Panel, Role, Series, Symbol};
 use crate::scene::Scene;
 use crate::scene::part::Part;
@@ -204,15 +201,13 @@ fn lines() -> Vec<Series> {
             "thick, Eq. 26",
             Role::Theory,
             Colour::Blue,
-            over(0.0, 0.3, &asymptotes::ridge_thick_pressure),
+            over(0.0, 0.3, &ridge::thick_pressure),
         ),
         Series::line(
             "flattening, Eq. 27 corrected",
             Role::Theory,
             Colour::Orange,
-            over(0.56, end.displacement, &|u| {
-                asymptotes::flattening().pressure_at(u)
-            }),
+            over(0.56, end.displacement, &|u| end.pressure_at(u)),
         ),
         Series::line(
             "flattening, Eq. 27 as printed",

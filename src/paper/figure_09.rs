@@ -1,13 +1,9 @@
 //! Fig. 9: the elastic energy of dimple and bulge at zero range.
 
-use super::boundary_elements::unsolved;
-use super::boundary_elements::{self, Estimate};
-use super::figure::{Figure, Finding};
-use super::task::{Stopped, Task};
-use super::{Entry, scenes};
-use crate::physics::theory::asymptotes;
-use crate::physics::theory::circular::{self, Pattern};
-use crate::physics::theory::discs::Kind;
+use super::boundary_elements::{self, Estimate, unsolved};
+use super::figure::{Entry, Figure, Finding, Stopped, Task};
+use super::scenes;
+use crate::physics::theory::circular::{self, Kind, Pattern};
 use crate::plot::panel::{Axis, Colour, Panel, Role, Series, Symbol};
 
 pub(super) const ENTRY: Entry = Entry {
@@ -90,14 +86,14 @@ fn series(dimples: &[(f64, Estimate)], bulges: &[(f64, Estimate)]) -> Vec<Series
             theory,
             Colour::Orange,
             low,
-            |abar| asymptotes::dimple(1.0 - abar),
+            |abar| circular::small_dimple(1.0 - abar),
         ),
         curve(
             "dimple, Eq. 28 printed",
             printed,
             Colour::Red,
             low,
-            |abar| asymptotes::dimple_printed(1.0 - abar),
+            |abar| circular::small_dimple_printed(1.0 - abar),
         ),
         curve("bulge", theory, Colour::Blue, all, |abar| {
             bulge.elastic_energy(abar)[0]
@@ -107,14 +103,14 @@ fn series(dimples: &[(f64, Estimate)], bulges: &[(f64, Estimate)]) -> Vec<Series
             theory,
             Colour::Teal,
             all,
-            asymptotes::bulge,
+            circular::small_bulge,
         ),
         curve(
             "bulge, Eq. 28 printed",
             printed,
             Colour::Blue,
             all,
-            asymptotes::bulge_printed,
+            circular::small_bulge_printed,
         ),
         symbols(
             "dimple, boundary elements",
@@ -233,7 +229,7 @@ fn findings(dimples: &[(f64, Estimate)], bulges: &[(f64, Estimate)]) -> Vec<Find
         Finding::new(
             "α³ v̂ of a small dimple",
             1.5,
-            asymptotes::dimple_printed(1.0),
+            circular::small_dimple_printed(1.0),
             "printed in Eq. 28",
             None,
         ),

@@ -1,12 +1,9 @@
 //! Fig. 10: pressure of the dimple in reduced units, for two ranges and for none.
 
-use super::figure::{Figure, Finding};
-use super::loops::units_of;
-use super::task::{Stopped, Task};
-use super::{Entry, scenes};
+use super::figure::{Entry, Figure, Finding, Stopped, Task};
+use super::scenes::{self, units_of};
 use crate::follow::atlas::{Atlas, Meshes};
 use crate::physics::pattern::Pattern;
-use crate::physics::theory::asymptotes;
 use crate::physics::theory::circular;
 use crate::plot::panel::{Axis, Colour, Panel, Role, Series, Symbol};
 use crate::plot::scale::steps;
@@ -132,13 +129,13 @@ fn panel(wide: &Branch, narrow: &Branch) -> Panel {
                 "small dimples, Eq. 29 corrected (1.793 ũ₀)",
                 Role::Theory,
                 Colour::Blue,
-                power(asymptotes::dimple_pressure),
+                power(circular::small_dimple_pressure),
             ),
             Series::line(
                 "small dimples, Eq. 29 as printed (4 ũ₀/3)",
                 Role::Printed,
                 Colour::Blue,
-                power(asymptotes::dimple_pressure_printed),
+                power(circular::small_dimple_pressure_printed),
             ),
             Series::line(
                 "next to the fold",

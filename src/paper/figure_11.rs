@@ -1,15 +1,13 @@
 //! Fig. 11: what a loop loses, against the range of the adhesion.
 
-use super::figure::{Figure, Finding};
-use super::loops::{line_cell, units, walked};
-use super::task::{Stopped, Task};
-use super::{Entry, scenes};
+use super::figure::{Entry, Figure, Finding, Stopped, Task};
+use super::scenes::{self, line_cell, units, walked};
 use crate::follow::walk::WalkOptions;
 use crate::physics::law::{Cosine, Law, Morse, Shape};
+use crate::physics::mesh_rule::points_at;
 use crate::physics::pattern::Pattern;
-use crate::physics::theory::{dissipation, flat, ridge};
+use crate::physics::theory::{flat, ridge};
 use crate::plot::panel::{Axis, Colour, Panel, Role, Series, Symbol};
-use crate::scene::mesh::points_at;
 use crate::scene::part::Part;
 use crate::scene::{Range, Scene};
 use std::f64::consts::{PI, SQRT_2};
@@ -139,8 +137,8 @@ fn lose(shape: Shape, ratio: f64, task: &mut Task<'_>) -> Result<Loss, Stopped> 
             .iter()
             .filter(|j| j.from == Pattern::Ridge && j.to == Pattern::Ridge)
             .count(),
-        theory: dissipation::loss(&law, length).unwrap_or(f64::NAN),
-        leading: dissipation::leading_order(ridge::zero_range_dissipation(), approach),
+        theory: ridge::loss(&law, length).unwrap_or(f64::NAN),
+        leading: ridge::leading_order(ridge::zero_range_dissipation(), approach),
         range: units(length).reduce(law.range),
     })
 }
@@ -190,7 +188,7 @@ fn compute(task: &mut Task<'_>) -> Result<Figure, Stopped> {
     findings.push(Finding::new(
         "γ_hys/γ without range",
         ridge::zero_range_dissipation(),
-        dissipation::printed_zero_range(),
+        ridge::printed_zero_range(),
         "printed in Eq. 30c as (3/2) α_c",
         None,
     ));
@@ -270,14 +268,14 @@ fn lines() -> Vec<Series> {
         let order = |zero: f64| {
             move |length: f64| {
                 let approach = units(length).reduce(flat::limits(&law, length)?.1);
-                Some(dissipation::leading_order(zero, approach))
+                Some(ridge::leading_order(zero, approach))
             }
         };
         series.push(line(
             "exact ridge and flat term",
             Role::Theory,
             whole,
-            &|length| dissipation::loss(&law, length),
+            &|length| ridge::loss(&law, length),
         ));
         series.push(line(
             "leading order with 1.0876",
@@ -285,13 +283,12 @@ fn lines() -> Vec<Series> {
             leading,
             &order(zero),
         ));
-        let printed = order(dissipation::printed_zero_range());
+        let printed = order(ridge::printed_zero_range());
         if shape == MORSE_LAW {
-            let approach =
-                |length: f64| dissipation::morse_approach(units(length).reduce(law.range));
+            let approach = |length: f64| ridge::morse_approach(units(length).reduce(law.range));
             let eq_30d = |length| {
-                Some(dissipation::leading_order(
-                    dissipation::printed_zero_range(),
+                Some(ridge::leading_order(
+                    ridge::printed_zero_range(),
                     approach(length),
                 ))
             };
@@ -322,7 +319,7 @@ fn words(micro: usize, off: &str) -> String {
          of 1e-6 to 1e-4 γ: {micro} such jumps from ridge to ridge are in the sums. Below ρ/ρ₀ = \
          0.1 the mesh is coarser, μ_ρ = {COARSE}, and they add some 0.5 %.",
         ridge::zero_range_dissipation(),
-        dissipation::printed_zero_range(),
+        ridge::printed_zero_range(),
         off.trim_end_matches("; "),
     )
 }

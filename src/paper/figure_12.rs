@@ -1,9 +1,9 @@
 //! Fig. 12: force against displacement of a Hertzian tip.
 
-use super::figure::{Figure, Finding};
-use super::task::{Stopped, Task};
+use super::figure::{Entry, Figure, Finding, Stopped, Task};
 use super::tips::{self, TIP, Tip, TipDrive};
-use super::{Entry, figure_13, scenes};
+use super::{figure_13, scenes};
+use crate::physics::theory::jkr::Contact;
 use crate::physics::theory::tabor_of_mesh;
 use crate::plot::panel::{Axis, Colour, Panel, Role, Series};
 use crate::plot::scale::steps;
@@ -31,6 +31,8 @@ pub(super) const UNDER_LOAD: Entry = Entry {
 
 /// u0 of a tip that is far off (R).
 const FAR: f64 = 0.05;
+/// Of each diagram.
+const MU_RHO: [f64; 4] = [0.5, 1.0, 1.5, 2.0];
 /// Points of a theory line.
 const POINTS: usize = 200;
 
@@ -43,17 +45,13 @@ const COLOURS: [Colour; 5] = [
 ];
 
 fn driven(entry: &Entry, task: &mut Task<'_>, drive: TipDrive) -> Result<Figure, Stopped> {
-    let fine: &[usize] = task.choose(&[32, 64], &[32, 64, 128, 256, 512]);
-    let coarse: &[usize] = task.choose(&[32], &[32, 64, 128]);
-    let list = [(0.5, fine), (1.0, coarse), (1.5, coarse), (2.0, coarse)];
+    let all = figure_13::list(task).into_iter();
+    let list: Vec<_> = all.filter(|(mu, _)| MU_RHO.contains(mu)).collect();
     let tips = tips::run_all(&tips::orders(&list, drive), task)?;
-    let panels = [0.5, 1.0, 1.5, 2.0]
-        .iter()
-        .zip("abcd".chars())
-        .map(|(mu, letter)| {
-            let loops: Vec<&Tip> = tips.iter().filter(|tip| tip.mu_rho == *mu).collect();
-            panel(&format!("({letter}) mu_rho = {mu}"), &loops, drive)
-        });
+    let panels = MU_RHO.iter().zip("abcd".chars()).map(|(mu, letter)| {
+        let loops: Vec<&Tip> = tips.iter().filter(|tip| tip.mu_rho == *mu).collect();
+        panel(&format!("({letter}) mu_rho = {mu}"), &loops, drive)
+    });
     let by = match drive {
         TipDrive::Load => {
             "by a load, from pull-off to a little compression and back: into contact and out of it \
@@ -133,14 +131,7 @@ fn theory(drive: TipDrive) -> (Vec<[f64; 2]>, Vec<[f64; 2]>) {
         away.into_iter().chain(branch).collect::<Vec<_>>()
     };
     let periodic = tips::periodic();
-    let alone = |a| {
-        let state = TIP.contact(a);
-        [state.displacement, -state.force / pull]
-    };
-    let with_images = |a| {
-        let state = periodic.contact(a);
-        [state.mean_displacement, -state.force / pull]
-    };
+    let drawn = |state: Contact| [state.mean_displacement, -state.force / pull];
     let ends = if by_load {
         [
             [TIP.zero_load().radius, TIP.end_under_force().radius],
@@ -155,7 +146,10 @@ fn theory(drive: TipDrive) -> (Vec<[f64; 2]>, Vec<[f64; 2]>) {
             ],
         ]
     };
-    (path(ends[0], &alone), path(ends[1], &with_images))
+    (
+        path(ends[0], &|a| drawn(TIP.contact(a))),
+        path(ends[1], &|a| drawn(periodic.contact(a))),
+    )
 }
 
 fn findings(tips: &[Tip]) -> Vec<Finding> {

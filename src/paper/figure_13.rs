@@ -1,9 +1,8 @@
 //! Fig. 13: pull-off force and dissipated energy of a Hertzian tip against the mesh.
 
-use super::figure::{Figure, Finding};
-use super::task::{Stopped, Task};
+use super::figure::{Entry, Figure, Finding, Stopped, Task};
+use super::scenes;
 use super::tips::{self, Order, TIP, Tip, TipDrive};
-use super::{Entry, scenes};
 use crate::plot::panel::{Axis, Colour, Panel, Role, Series, Symbol};
 use crate::scene::part::Part;
 
@@ -28,7 +27,7 @@ pub(super) const UNDER_LOAD: Entry = Entry {
 };
 
 /// The loops at full size, or quick ones: mu_rho and meshes.
-fn list(task: &Task<'_>) -> [(f64, &'static [usize]); 5] {
+pub(super) fn list(task: &Task<'_>) -> [(f64, &'static [usize]); 5] {
     let fine: &[usize] = task.choose(&[32, 64], &[32, 64, 128, 256, 512]);
     let coarse: &[usize] = task.choose(&[32], &[32, 64, 128]);
     [

@@ -1,10 +1,8 @@
 //! Fig. 14: the cohesive law that rough ground shows from far away.
 
-use super::figure::{Figure, Finding};
-use super::task::{Size, Stopped, Task};
-use super::{Entry, loops, scenes};
-use crate::follow::record::Direction;
-use crate::follow::record::LoopRecord;
+use super::figure::{Entry, Figure, Finding, Size, Stopped, Task};
+use super::scenes;
+use crate::follow::record::{Direction, LoopRecord};
 use crate::paper::measured_law::{Fit, MeasuredLaw, Row, fit};
 use crate::physics::indenter::Indenter;
 use crate::physics::topography::{Border, Statistics};
@@ -79,7 +77,7 @@ fn compute(task: &mut Task<'_>) -> Result<Figure, Stopped> {
 
 /// Measures the law on the ground of a scene.
 fn measure(name: String, scene: &Scene, task: &mut Task<'_>) -> Result<Surface, Stopped> {
-    let (run, model) = loops::planned(scene, task, &format!("the loop on {name}"))?;
+    let (run, model) = scenes::planned(scene, task, &format!("the loop on {name}"))?;
     let Some(heights) = model.indenter.height(&model.grid) else {
         let why = "flat ground has no law but that of the scene; give ground with heights";
         return Err(Stopped::Failed(format!("{name}: {why}")));

@@ -22,16 +22,13 @@ mod figure_12;
 mod figure_13;
 mod figure_14;
 mod figures_02_03;
-mod loops;
 pub mod measured_law;
 pub mod overlay;
 pub mod scenes;
 mod table_1;
-pub mod task;
 pub mod tips;
 
-pub use figure::{Entry, Figure, Table, TableEntry};
-pub use task::{Size, Stopped, Task};
+pub use figure::{Entry, Figure, Size, Stopped, Table, TableEntry, Task};
 
 /// The figures in the paper's order.
 pub const GALLERY: &[Entry] = &[

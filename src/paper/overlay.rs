@@ -1,13 +1,12 @@
 //! Theory over the live loop, in the units of the scene at hand: the flat state and the patterns of
 //! zero range, or JKR's tip.
 
-use super::loops::units_of;
+use super::scenes::units_of;
 use crate::numerics::cancel::Cancel;
 use crate::physics::body::Body;
 use crate::physics::indenter::{Hertz, Indenter};
 use crate::physics::theory::circular;
-use crate::physics::theory::jkr::Jkr;
-use crate::physics::theory::jkr_periodic::PeriodicJkr;
+use crate::physics::theory::jkr::{Contact, Jkr, PeriodicJkr};
 use crate::physics::theory::ridge;
 use crate::plot::scale::steps;
 use crate::scene::Model;
@@ -118,10 +117,12 @@ fn tip(tip: Jkr, length: f64, from: f64) -> Vec<TheoryLine> {
         0.7 * tip.end_of_displacement().radius,
         (1.1 * largest).min(LARGEST_CONTACT * length),
     );
-    let branch = |state: &dyn Fn(f64) -> [f64; 2]| {
+    let area = length * length;
+    let branch = |contact: &dyn Fn(f64) -> Contact| {
         let mut points: Vec<[f64; 2]> = Vec::new();
         for radius in steps(largest, smallest, TIP_POINTS) {
-            let point = state(radius);
+            let contact = contact(radius);
+            let point = [contact.mean_displacement, contact.force / area];
             if points.last().is_some_and(|last| point[0] <= last[0]) {
                 break;
             }
@@ -130,24 +131,15 @@ fn tip(tip: Jkr, length: f64, from: f64) -> Vec<TheoryLine> {
         points.retain(|point| point[0] >= from);
         points
     };
-    let area = length * length;
     let periodic = PeriodicJkr::new(tip, length);
-    let alone = |a: f64| {
-        let contact = tip.contact(a);
-        [contact.displacement, contact.force / area]
-    };
-    let with_images = |a: f64| {
-        let contact = periodic.contact(a);
-        [contact.mean_displacement, contact.force / area]
-    };
     vec![
         TheoryLine {
             name: "JKR",
-            points: branch(&alone),
+            points: branch(&|a| tip.contact(a)),
         },
         TheoryLine {
             name: "JKR, periodic",
-            points: branch(&with_images),
+            points: branch(&|a| periodic.contact(a)),
         },
     ]
 }

@@ -1,8 +1,6 @@
 //! Table 1: the mesh number that other cohesive-zone models use without naming it.
 
-use super::TableEntry;
-use super::figure::{Finding, Table};
-use super::task::{Stopped, Task};
+use super::figure::{Finding, Stopped, Table, TableEntry, Task};
 use crate::physics::mesh_rule::{TABLE_1, mu_rho_of_zone};
 
 pub(super) const ENTRY: TableEntry = TableEntry {

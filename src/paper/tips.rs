@@ -1,13 +1,11 @@
 //! The loops of the Hertzian tip behind Figs 12 and 13.
 
-use super::loops::{refused, walked};
-use super::scenes;
-use super::task::{Stopped, Task};
+use super::figure::{Stopped, Task};
+use super::scenes::{self, refused, walked};
 use crate::follow::record::{Direction, StateRecord};
 use crate::follow::walk::WalkOptions;
 use crate::physics::control::Control;
-use crate::physics::theory::jkr::Jkr;
-use crate::physics::theory::jkr_periodic::PeriodicJkr;
+use crate::physics::theory::jkr::{Jkr, PeriodicJkr};
 use crate::scene::part::Part;
 use crate::scene::{Drive, Scene, Turn};
 

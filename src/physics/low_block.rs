@@ -421,15 +421,14 @@ impl LowBlock {
     /// `out` gets, on the waves of the block, the inverse of |block| (negative pivots turned
     /// positive) times `r`; the rest is kept.
     pub fn precondition(&self, r: &[f64], out: &mut [f64]) {
-        let mut x = self.gather(r);
-        self.factor.solve_positive(&mut x);
-        self.scatter(&x, out);
+        self.within(r, out, Factor::solve_positive);
     }
 
-    /// `out` gets, on the waves of the block, its inverse times `r`; the rest is kept.
-    pub fn invert(&self, r: &[f64], out: &mut [f64]) {
+    /// `out` gets, on the waves of the block, what `work` makes of `r` by its factors; the rest is
+    /// kept.
+    pub(super) fn within(&self, r: &[f64], out: &mut [f64], work: impl Fn(&Factor, &mut [f64])) {
         let mut x = self.gather(r);
-        self.factor.solve(&mut x);
+        work(&self.factor, &mut x);
         self.scatter(&x, out);
     }
 
@@ -445,21 +444,6 @@ impl LowBlock {
                 .for_each(|(out, h)| *out += h * x[i]);
         }
         out
-    }
-
-    /// `out` gets, on the waves of the block, F y for the factors F F^T of that inverse; the rest
-    /// is kept.
-    pub fn spread(&self, y: &[f64], out: &mut [f64]) {
-        let mut x = self.gather(y);
-        self.factor.spread(&mut x);
-        self.scatter(&x, out);
-    }
-
-    /// `out` gets, on the waves of the block, F^T r; the rest is kept.
-    pub fn gathered(&self, r: &[f64], out: &mut [f64]) {
-        let mut x = self.gather(r);
-        self.factor.gather(&mut x);
-        self.scatter(&x, out);
     }
 
     /// Where the amplitude of a wave is stored ([`System::odd`]).

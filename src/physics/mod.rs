@@ -15,7 +15,6 @@ pub mod mesh_rule;
 pub mod parameter;
 pub mod pattern;
 pub mod preconditioner;
-mod state;
 pub mod system;
 pub mod theory;
 pub mod topography;

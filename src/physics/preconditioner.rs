@@ -158,53 +158,43 @@ impl Preconditioner {
     /// `out` = approximate inverse Hessian times `r`.
     pub fn apply(&self, r: &[f64], out: &mut [f64]) {
         scaled(&self.diagonal, r, out);
-        self.within(r, out, LowBlock::precondition, Factor::solve_positive);
+        self.within(r, out, Factor::solve_positive);
     }
 
     /// The same with the signs of the block: for equilibria that are no minima.
     pub fn apply_indefinite(&self, r: &[f64], out: &mut [f64]) {
         scaled(&self.diagonal, r, out);
-        self.within(r, out, LowBlock::invert, Factor::solve);
+        self.within(r, out, Factor::solve);
     }
 
     /// `out` = F y for the factors F F^T of the approximate inverse: y drawn evenly from all
     /// directions gives amplitudes as soft as the Hessian allows.
     pub fn spread(&self, y: &[f64], out: &mut [f64]) {
         scaled(&self.roots, y, out);
-        self.within(y, out, LowBlock::spread, Factor::spread);
+        self.within(y, out, Factor::spread);
     }
 
     /// `out` = F^T r.
     pub fn gather(&self, r: &[f64], out: &mut [f64]) {
         scaled(&self.roots, r, out);
-        self.within(r, out, LowBlock::gathered, Factor::gather);
+        self.within(r, out, Factor::gather);
     }
 
-    /// On the waves of the block `out` gets what that of an even system, or the factors of another,
-    /// make of `r`; the rest is kept.
-    fn within(
-        &self,
-        r: &[f64],
-        out: &mut [f64],
-        even: impl Fn(&LowBlock, &[f64], &mut [f64]),
-        factors: impl Fn(&Factor, &mut [f64]),
-    ) {
+    /// On the waves of the block `out` gets what `work` makes of `r` by its factors; the rest is
+    /// kept.
+    fn within(&self, r: &[f64], out: &mut [f64], work: impl Fn(&Factor, &mut [f64])) {
         if let Some(block) = self.even.as_ref().filter(|block| block.is_ready()) {
-            even(block, r, out);
+            block.within(r, out, &work);
         }
-        if !self.factor.is_empty() {
-            self.within_block(r, out, |x| factors(&self.factor, x));
+        if self.factor.is_empty() {
+            return;
         }
-    }
-
-    /// On the waves of the block `out` gets what `work` makes of `r`; the rest is kept.
-    fn within_block(&self, r: &[f64], out: &mut [f64], work: impl Fn(&mut [f64])) {
         let mut x: Vec<f64> = self
             .modes
             .iter()
             .flat_map(|m| [r[2 * m.pair] * m.weight(), r[2 * m.pair + 1] * m.weight()])
             .collect();
-        work(&mut x);
+        work(&self.factor, &mut x);
         for (m, x) in self.modes.iter().zip(x.chunks_exact(2)) {
             let (re, im) = (x[0] / m.weight(), x[1] / m.weight());
             (out[2 * m.pair], out[2 * m.pair + 1]) = (re, im);
@@ -215,7 +205,7 @@ impl Preconditioner {
     }
 }
 
-/// 1/(q E*/2 + `stiffness`); a mean that is no unknown stays what it is.
+/// 1/(q E*/2 + k); a mean that is no unknown stays what it is.
 fn diagonal(system: &System, stiffness: f64) -> Vec<f64> {
     let elastic = system.elastic().iter();
     let mut diagonal: Vec<f64> = elastic.map(|e| 1.0 / (e + stiffness)).collect();

@@ -22,14 +22,13 @@ mod odd;
 
 use super::body::Body;
 use super::control::Control;
+pub use super::control::{Evaluation, Fields, State};
 use super::grid::Grid;
 use super::indenter::Indenter;
 use super::law::Law;
-pub use super::state::{Evaluation, Fields, State};
-use crate::numerics::basis::Basis;
 use crate::numerics::cosine::Cosine;
 use crate::numerics::fourier::Fourier;
-use crate::numerics::precision::{Precision, TransformScratch, Transforms};
+use crate::numerics::precision::{Basis, Precision, TransformScratch, Transforms};
 use crate::numerics::threads::{each, piece};
 use crate::numerics::vector::{max_abs, norm};
 use ndarray::Array2;

@@ -6,7 +6,7 @@ use super::scale::ends;
 use crate::physics::body::Body;
 use crate::physics::indenter::Indenter;
 use crate::physics::parameter::{Parameter, number};
-use crate::physics::theory::{dissipation, flat};
+use crate::physics::theory::{flat, ridge};
 use crate::scene::{Model, parameter};
 use crate::study::axis::{Spacing, Span};
 use crate::study::sweep::{Row, Study};
@@ -195,7 +195,7 @@ fn theory(
         "dissipated_energy" => |model| {
             // That of a ridge: squares have other patterns beside it.
             let line = model.grid.is_line();
-            line.then(|| dissipation::loss(&model.law, model.grid.length))?
+            line.then(|| ridge::loss(&model.law, model.grid.length))?
         },
         "approach_jumps" => |model| Some(flat::limits(&model.law, model.grid.length)?.1),
         "retraction_jumps" => |model| Some(flat::limits(&model.law, model.grid.length)?.0),

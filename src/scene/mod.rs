@@ -5,7 +5,6 @@
 //! are to people is in [`units`].
 
 pub mod edit;
-pub mod mesh;
 pub mod parameter;
 pub mod part;
 pub mod units;
@@ -16,9 +15,8 @@ use crate::physics::control::Control;
 use crate::physics::grid::{Grid, POINTS_MAX};
 use crate::physics::indenter::Indenter;
 use crate::physics::law::{Law, Shape};
-use crate::physics::mesh_rule;
+use crate::physics::mesh_rule::{self, next_fast, points_for};
 use crate::physics::parameter::{Parameter, Refusal, Value, number};
-use mesh::{next_fast, points_for};
 use units::Units;
 
 /// A complete description of what is computed. The contact modulus E* is 1; lengths are in any one

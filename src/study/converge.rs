@@ -8,8 +8,8 @@
 use super::axis::grid;
 use super::sweep::{Column, Row, Study, column};
 use crate::follow::record::LOCATED;
+use crate::physics::mesh_rule::next_fast;
 use crate::physics::parameter::Refusal;
-use crate::scene::mesh::next_fast;
 use crate::scene::{Scene, parameter};
 
 /// Meshes of a ladder, as shares of the scene's own number of points: two coarser and two finer ones,

@@ -12,7 +12,6 @@ use crate::physics::indenter::Indenter;
 use crate::physics::law::Law;
 use crate::physics::mesh_rule;
 use crate::physics::pattern::Pattern;
-use crate::scene::mesh;
 use crate::scene::{Model, Scene};
 use crate::solver::sector::Side;
 use std::f64::consts::PI;
@@ -38,7 +37,7 @@ pub enum Fineness {
 impl Fineness {
     /// Points along a side of a cell of this `length`.
     pub(super) fn points(self, law: &Law, length: f64) -> usize {
-        mesh::points_at(law, length, self.mu_rho()).max(32)
+        mesh_rule::points_at(law, length, self.mu_rho()).max(32)
     }
 
     /// The mesh number mu_rho that its mesh keeps.
@@ -257,7 +256,7 @@ impl LiveLoop {
             jumps: cycle.jumps.clone(),
             dissipated_energy: cycle.dissipated_energy,
             rivals: Vec::new(),
-            predicted_error: mesh::flat_error(&Body::HalfSpace, &law, length, mu_rho),
+            predicted_error: mesh_rule::flat_error(&Body::HalfSpace, &law, length, mu_rho),
             points: square,
         };
         let mut known: Vec<Place> = Vec::new();

@@ -8,8 +8,6 @@
 pub mod axis;
 pub mod chart;
 pub mod converge;
-pub mod equations;
-pub mod error_bar;
 pub mod forecast;
 pub mod ground;
 pub mod landscape;

@@ -2,7 +2,7 @@
 
 use std::f64::consts::{PI, SQRT_2};
 use tackscope::physics::law::{Cosine, Law, Morse, Shape};
-use tackscope::physics::theory::{Units, dissipation, flat, ridge};
+use tackscope::physics::theory::{Units, flat, ridge};
 
 /// Laws in a cell of side 1 with gamma = 1, where lengths are reduced ones.
 fn morse(range: f64) -> Law {
@@ -24,7 +24,7 @@ fn cosine(range: f64) -> Law {
 fn without_range_the_loss_is_1_087557() {
     // The project's physics notes: 1.087557130, by quadrature of the exact ridge.
     for law in [morse(1e-9), cosine(1e-9)] {
-        let loss = dissipation::loss(&law, 1.0).unwrap();
+        let loss = ridge::loss(&law, 1.0).unwrap();
         assert!((loss - 1.087_557_130).abs() < 2e-5, "{loss}");
     }
     assert!((ridge::zero_range_dissipation() - 1.087_557_130).abs() < 1e-9);
@@ -32,7 +32,7 @@ fn without_range_the_loss_is_1_087557() {
 
 #[test]
 fn the_print_takes_a_quarter_too_much_for_the_loss_without_range() {
-    let printed = dissipation::printed_zero_range();
+    let printed = ridge::printed_zero_range();
     assert!((printed - 1.365).abs() < 5e-4, "{printed}");
     assert!((printed / ridge::zero_range_dissipation() - 1.255).abs() < 1e-3);
 }
@@ -61,7 +61,7 @@ fn the_loss_is_the_area_between_the_ridge_and_the_flat_surface() {
             }
         };
         let area: f64 = (0..=n).map(|i| weight(i) * integrand(i)).sum::<f64>() / (3 * n) as f64;
-        let loss = dissipation::loss(&law, 1.0).unwrap();
+        let loss = ridge::loss(&law, 1.0).unwrap();
         assert!((loss - area).abs() < 1e-6, "{law:?}: {loss} {area}");
     }
 }
@@ -76,10 +76,10 @@ fn the_leading_order_meets_the_whole_as_the_range_shrinks_and_the_printed_one_do
         let differences = ranges.map(|range| {
             let law = make(range);
             let approach = flat::limits(&law, 1.0).unwrap().1;
-            let whole = dissipation::loss(&law, 1.0).unwrap();
-            let printed = dissipation::leading_order(dissipation::printed_zero_range(), approach);
+            let whole = ridge::loss(&law, 1.0).unwrap();
+            let printed = ridge::leading_order(ridge::printed_zero_range(), approach);
             assert!(printed - whole > 0.27, "{range}: {printed} {whole}");
-            (dissipation::leading_order(zero, approach) - whole).abs()
+            (ridge::leading_order(zero, approach) - whole).abs()
         });
         // The next order of the ridge is u~^2, with logarithms for the Morse law.
         assert!(
@@ -96,7 +96,7 @@ fn eq_30d_has_the_upper_limit_of_eq_8_for_small_ranges() {
         let exact = flat::limits(&morse(range), 1.0).unwrap().1;
         // Eq. 8 expanded: relative corrections of order rho~^2.
         assert!(
-            (dissipation::morse_approach(range) / exact - 1.0).abs() < 4.0 * range * range,
+            (ridge::morse_approach(range) / exact - 1.0).abs() < 4.0 * range * range,
             "{range}"
         );
     }
@@ -105,10 +105,7 @@ fn eq_30d_has_the_upper_limit_of_eq_8_for_small_ranges() {
     let printed = 1.5
         * (0.910_058_79
             - (2.0 * range / PI.sqrt() * (2.0 / (PI * range * range)).ln()).powf(2.0 / 3.0));
-    let ours = dissipation::leading_order(
-        dissipation::printed_zero_range(),
-        dissipation::morse_approach(range),
-    );
+    let ours = ridge::leading_order(ridge::printed_zero_range(), ridge::morse_approach(range));
     assert!((printed - ours).abs() < 1e-8, "{printed} {ours}");
 }
 
@@ -117,8 +114,9 @@ fn the_flat_term_is_negative_and_the_loss_does_not_depend_on_the_units() {
     let law = morse(0.0807);
     let (_, approach) = flat::limits(&law, 1.0).unwrap();
     let end = ridge::critical();
-    let ridge_alone = end.energy - ridge::energy(ridge::alpha(approach).unwrap(), approach);
-    assert!(dissipation::loss(&law, 1.0).unwrap() < ridge_alone);
+    let ridge_alone = ridge::energy(end.alpha, end.displacement)
+        - ridge::energy(ridge::alpha(approach).unwrap(), approach);
+    assert!(ridge::loss(&law, 1.0).unwrap() < ridge_alone);
     let (length, surface_energy) = (1024.0, 0.15);
     let scaled = Law {
         surface_energy,
@@ -130,8 +128,8 @@ fn the_flat_term_is_negative_and_the_loss_does_not_depend_on_the_units() {
         ..law
     };
     let (a, b) = (
-        dissipation::loss(&law, 1.0).unwrap(),
-        dissipation::loss(&scaled, length).unwrap(),
+        ridge::loss(&law, 1.0).unwrap(),
+        ridge::loss(&scaled, length).unwrap(),
     );
     assert!((a - b).abs() < 1e-12, "{a} {b}");
 }
@@ -142,9 +140,9 @@ fn the_cosine_law_gets_nearer_to_the_loss_without_range_on_fine_meshes_and_no_lo
     // Equal largest softening: g_c = sqrt2 pi rho. The cut-off then wins where rho ln(2/(pi
     // rho~^2)) > g_c: rho~ < 0.087.
     let gain = |range: f64| {
-        dissipation::loss(&cosine(SQRT_2 * PI * range), 1.0).unwrap()
-            - dissipation::loss(&morse(range), 1.0).unwrap()
+        ridge::loss(&cosine(SQRT_2 * PI * range), 1.0).unwrap()
+            - ridge::loss(&morse(range), 1.0).unwrap()
     };
     assert!(gain(0.01) > 0.05 && gain(0.05) > 0.0);
-    assert_eq!(dissipation::loss(&morse(0.29), 1.0), None);
+    assert_eq!(ridge::loss(&morse(0.29), 1.0), None);
 }

@@ -1,10 +1,10 @@
 //! Round patterns at zero range: the series against reference tables, and the branches that follow; and
 //! boundary elements against them and the exact ridge.
 
+use crate::{close, near};
 use tackscope::numerics::cancel::Cancel;
 use tackscope::paper::boundary_elements as be;
-use tackscope::physics::theory::circular::{self, Pattern};
-use tackscope::physics::theory::discs::{self, Kind};
+use tackscope::physics::theory::circular::{self, Kind, Pattern};
 use tackscope::physics::theory::ridge;
 
 /// alpha, vhat, u~, p~, W of the dimple.
@@ -117,7 +117,7 @@ fn both() -> [(Kind, &'static Pattern, [[f64; 5]; 10]); 2] {
 fn the_series_of_both_patterns_is_the_reference_table() {
     for (kind, _, table) in both() {
         for [size, vhat, ..] in table {
-            let found = discs::elastic_energy(kind, size);
+            let found = circular::elastic_energy(kind, size);
             // As documented, and the table's own.
             let tolerance = if size <= 0.9 {
                 1.5e-9
@@ -149,10 +149,7 @@ fn the_branches_follow_the_reference_table() {
                 3e-5
             };
             let state = pattern.state(size);
-            assert!(
-                (pattern.elastic_energy(size)[0] / vhat - 1.0).abs() < 1e-8,
-                "{kind:?} {size}"
-            );
+            close(pattern.elastic_energy(size)[0], vhat, 1e-8);
             assert!(
                 (state.displacement / u - 1.0).abs() < slope,
                 "{kind:?} {size}: {} for {u}",
@@ -177,13 +174,9 @@ fn the_interpolant_agrees_with_the_series_between_its_points() {
     for (kind, pattern, _) in both() {
         for size in [0.001, 0.033, 0.21, 0.48, 0.77, 0.861, 0.917, 0.9555, 0.9731] {
             let h = 1e-3 * f64::min(size, 1.0 - size);
-            let series = [-h, 0.0, h].map(|d| discs::elastic_energy(kind, size + d));
+            let series = [-h, 0.0, h].map(|d| circular::elastic_energy(kind, size + d));
             let [vhat, slope, curvature] = pattern.elastic_energy(size);
-            assert!(
-                (vhat / series[1] - 1.0).abs() < 1e-8,
-                "{kind:?} {size}: {}",
-                vhat / series[1] - 1.0
-            );
+            close(vhat, series[1], 1e-8);
             // Truncation 1e-6 times ratios of derivatives; rounding of 1e-10 over h.
             let first = (series[2] - series[0]) / (2.0 * h);
             assert!(
@@ -260,8 +253,9 @@ fn a_stretched_patch_far_from_its_neighbours_has_more_energy_than_a_circle() {
     // bulge at given displacement. As a dimple at given mean displacement the circle has the least
     // as well (its volume under unit stress is greatest).
     for kind in [Kind::Dimple, Kind::Bulge] {
-        let circle = discs::elastic_energy(kind, 0.1);
-        let [thin, thick] = [0.05, -0.05].map(|stretch| discs::ellipse_energy(kind, 0.1, stretch));
+        let circle = circular::elastic_energy(kind, 0.1);
+        let [thin, thick] =
+            [0.05, -0.05].map(|stretch| circular::ellipse_energy(kind, 0.1, stretch));
         assert!(thin > circle && (thin / thick - 1.0).abs() < 1e-12);
     }
 }
@@ -280,7 +274,7 @@ fn an_ellipse_alone_is_the_one_of_elliptic_integrals() {
     }
     let alone = a * x;
     let expected = 1.0 / (1.0 / alone - 2.0 * 1.2414929);
-    let found = discs::ellipse_energy(Kind::Bulge, size, stretch);
+    let found = circular::ellipse_energy(Kind::Bulge, size, stretch);
     assert!(
         (found / expected - 1.0).abs() < 1e-6,
         "{found} for {expected}"
@@ -294,15 +288,16 @@ fn the_bulge_is_metastable_at_zero_range_contrary_to_the_print() {
         let stable = bulge.at(u).unwrap();
         assert!((stable.displacement / u - 1.0).abs() < 1e-12 && fold.size < stable.size);
         // A minimum of W at fixed u~ among sizes, on values of the series themselves.
-        let w =
-            |size: f64| u * u * discs::elastic_energy(Kind::Bulge, size) - bulge.contact_area(size);
+        let w = |size: f64| {
+            u * u * circular::elastic_energy(Kind::Bulge, size) - bulge.contact_area(size)
+        };
         for step in [1e-3, -1e-3] {
             assert!(w(stable.size + step) > w(stable.size), "{u}");
         }
         // And among ellipses of its area.
-        let ellipse = discs::ellipse_energy(Kind::Bulge, stable.size, 0.01);
+        let ellipse = circular::ellipse_energy(Kind::Bulge, stable.size, 0.01);
         assert!(
-            ellipse > discs::elastic_energy(Kind::Bulge, stable.size),
+            ellipse > circular::elastic_energy(Kind::Bulge, stable.size),
             "{u}"
         );
     }
@@ -366,7 +361,7 @@ fn straight_edges_lie_0_19_spacings_beyond_the_free_pixels() {
     for free in [128, 512, 896] {
         let [vhat, slope, ..] = ridge::elastic_energy(free as f64 / 1024.0);
         let shift = (be::ridge(1024, free, &free_run()).unwrap() - vhat) / slope * 1024.0 / 2.0;
-        assert!((shift - 0.19).abs() < 0.005, "{free}: {shift}");
+        near(shift, 0.19, 0.005);
     }
 }
 
@@ -381,10 +376,7 @@ fn round_edges_lie_0_127_spacings_beyond_a_dimple_s_pixels_and_within_a_bulge_s(
             let [vhat, slope, _] = pattern.elastic_energy(size);
             let mesh = be::disc_on_mesh(kind, size, 256, 8, &free_run()).unwrap();
             let shift = (mesh.value - vhat) / slope * 256.0 / 2.0;
-            assert!(
-                (shift - sign * 0.127).abs() < 0.008,
-                "{kind:?} {size}: {shift}"
-            );
+            near(shift, sign * 0.127, 0.008);
         }
     }
 }

@@ -1,5 +1,6 @@
 //! Cohesive laws against finite differences, independent scans and the values of the literature.
 
+use crate::near;
 use proptest::prelude::*;
 use std::f64::consts::{LN_2, PI};
 use tackscope::physics::law::{Cosine, DoubleExponential, Law, Mie, Morse, Shape};
@@ -304,7 +305,7 @@ fn the_cosine_as_printed_doubles_its_stiffness_at_zero_gap_and_the_smooth_one_do
         };
         law.at(-1e-9).stiffness / law.at(1e-9).stiffness
     };
-    assert!((ratio(false) - 2.0).abs() < 1e-12);
+    near(ratio(false), 2.0, 1e-12);
     assert!((ratio(true) - 1.0).abs() < 1e-12);
 }
 
@@ -431,13 +432,9 @@ fn laws_whose_two_parts_nearly_coincide_are_their_analytic_limit() {
             ratio: 1.0 - distance,
         }));
         let softest = (7.0_f64 / 12.0).exp();
-        assert!(
-            (mie.softest_gap() - softest).abs() < 1e-14 + 2.0 * distance,
-            "{distance}: {}",
-            mie.softest_gap()
-        );
+        near(mie.softest_gap(), softest, 1e-14 + 2.0 * distance);
         assert!((mie.softening_max() + power(softest)[2]).abs() < 1e-14 + 10.0 * distance);
-        assert!((double.softest_gap() - 2.0).abs() < 1e-14 + 2.0 * distance);
+        near(double.softest_gap(), 2.0, 1e-14 + 2.0 * distance);
         for x in scan((0.3, 6.0), 100) {
             for (law, limit) in [(mie, power(x)), (double, exponential(x))] {
                 let (at, mut first, mut second) = (law.at(x), [0.0], [0.0]);

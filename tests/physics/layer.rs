@@ -1,5 +1,6 @@
 //! The layer on a rigid plate, against its boundary-value problem and the thin-film theory.
 
+use crate::{close, near};
 use nalgebra::{Matrix4, Vector4};
 use std::f64::consts::{PI, TAU};
 use tackscope::follow::flat_branch::FlatBranch;
@@ -73,10 +74,7 @@ fn the_stiffness_of_every_wave_is_that_of_the_boundary_value_problem() {
         for x in [0.2, 0.5, 1.0, 2.0, 3.0, 5.0, 8.0] {
             let exact = by_boundary_values(x, nu);
             let found = layer(3.0, nu).stiffness(x / 3.0) * 3.0;
-            assert!(
-                (found / exact - 1.0).abs() < 1e-10,
-                "{nu} {x}: {found} {exact}"
-            );
+            close(found, exact, 1e-10);
         }
     }
 }
@@ -85,10 +83,7 @@ fn the_stiffness_of_every_wave_is_that_of_the_boundary_value_problem() {
 fn the_closed_form_keeps_its_digits_for_thick_and_thin() {
     for [x, nu, exact] in EXACT {
         let found = layer(1.0, nu).compliance(x);
-        assert!(
-            (found / exact - 1.0).abs() < 2e-15,
-            "{x} {nu}: {found:e} {exact:e}"
-        );
+        close(found, exact, 2e-15);
     }
 }
 
@@ -147,12 +142,8 @@ fn morse(surface_energy: f64) -> Law {
 fn an_incompressible_film_gives_way_to_a_wave_of_three_thicknesses_whatever_the_cell() {
     let shear = 0.25;
     let [q, stiffness] = minimum(|q| by_boundary_values(q, 0.5), 1.0, 4.0);
-    assert!((TAU / q - 2.96).abs() < 5e-3, "{}", TAU / q);
-    assert!(
-        (stiffness / shear - 6.22).abs() < 5e-3,
-        "{}",
-        stiffness / shear
-    );
+    near(TAU / q, 2.96, 5e-3);
+    near(stiffness / shear, 6.22, 5e-3);
     let thickness = 0.02;
     for length in [30.0, 41.0] {
         let grid = Grid::line(length, 4096);
@@ -161,14 +152,8 @@ fn an_incompressible_film_gives_way_to_a_wave_of_three_thicknesses_whatever_the_
         let waves = system.elastic().iter().step_by(2).copied().enumerate();
         let (periods, softest) = waves.skip(1).min_by(|a, b| a.1.total_cmp(&b.1)).unwrap();
         let wavelength = length / periods as f64;
-        assert!(
-            (wavelength * q / thickness / TAU - 1.0).abs() < 1e-3,
-            "{wavelength}"
-        );
-        assert!(
-            (softest * thickness / stiffness - 1.0).abs() < 1e-6,
-            "{softest}"
-        );
+        close(wavelength * q / thickness, TAU, 1e-3);
+        close(softest * thickness, stiffness, 1e-6);
         assert_eq!(PI / system.equivalent_length(), softest);
         // A law that softens a little less, and a little more.
         let critical = |share: f64| morse(4.0 * share * stiffness / thickness);
@@ -203,10 +188,7 @@ fn the_softest_wave_is_the_softest_of_the_mesh_also_where_two_directions_mix() {
             .zip(system.elastic())
             .map(|(z, e)| e * z * z)
             .sum();
-        assert!(
-            (energy / least - 1.0).abs() < 1e-14,
-            "{points} {thickness}: {energy}"
-        );
+        close(energy, least, 1e-14);
         let longest = (system.elastic()[2 * grid.ny] / least - 1.0).abs() < 1e-14;
         assert_eq!(body.is_softest_at_its_longest(&grid), longest);
     }
@@ -262,11 +244,11 @@ fn force_and_hessian_of_a_layer_are_derivatives_of_its_energy() {
         let [up, down] = [h, -h].map(|t| system.at(moved(t), 1.2, &mut system.workspace()));
         let along = |g: &[f64]| g.iter().zip(&v).map(|(g, v)| g * v).sum::<f64>();
         let slope = (up.state.energy - down.state.energy) / (2.0 * h);
-        assert!((slope - along(&here.gradient)).abs() < 1e-9, "{slope}");
+        near(slope, along(&here.gradient), 1e-9);
         let mut image = v.clone();
         system.hessian(&here.fields, &v, &mut image, &mut ws);
         for ((a, b), i) in up.gradient.iter().zip(&down.gradient).zip(&image) {
-            assert!(((a - b) / (2.0 * h) - i).abs() < 1e-9, "{a} {b} {i}");
+            near((a - b) / (2.0 * h), *i, 1e-9);
         }
     }
 }
@@ -275,7 +257,7 @@ fn force_and_hessian_of_a_layer_are_derivatives_of_its_energy() {
 fn a_machine_pulls_through_a_compressible_layer_and_holds_the_surface_of_an_incompressible_one() {
     let mean = layer(2.0, 0.25).mean_stiffness();
     // M = (1 - nu)^2/(1 - 2 nu) E*.
-    assert!((mean - 0.5625 / 0.5 / 2.0).abs() < 1e-15);
+    near(mean, 0.5625 / 0.5 / 2.0, 1e-15);
     let spring = |stiffness| Control::Spring { stiffness };
     assert_eq!(Control::Displacement.in_series(mean), spring(mean));
     assert_eq!(spring(mean).in_series(mean), spring(0.5 * mean));

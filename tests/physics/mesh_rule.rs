@@ -1,5 +1,6 @@
 //! The mesh rule against Eqs 9 to 11 and 33 and against Table 1.
 
+use crate::near;
 use proptest::prelude::*;
 use std::f64::consts::{PI, SQRT_2};
 use tackscope::physics::law::{Cosine, DoubleExponential, Law, Mie, Morse, Shape};
@@ -41,15 +42,15 @@ fn the_range_is_equation_11_for_morse_and_its_likes_for_the_other_laws() {
 fn figure_2_at_64_points_has_the_mu_rho_of_equation_11() {
     // L = 256 rho, gamma = 0.15 E* rho: mu = sqrt(0.15 * 4)/2.
     let law = law(Shape::Morse(Morse));
-    assert!((mu_rho(&law, 4.0) - 0.6_f64.sqrt() / 2.0).abs() < 1e-15);
-    assert!((points_for_mu_rho(&law, 256.0, 0.5) - 38.4).abs() < 1e-12);
+    near(mu_rho(&law, 4.0), 0.6_f64.sqrt() / 2.0, 1e-15);
+    near(points_for_mu_rho(&law, 256.0, 0.5), 38.4, 1e-12);
     let units = Units {
         length: 256.0,
         surface_energy: 0.15,
     };
     // mu_rho = 1/(2 rho~ sqrt(n)) with n = L/da.
     let of_rho = 0.5 / (units.reduce(1.0) * 64_f64.sqrt());
-    assert!((of_rho - mu_rho(&law, 4.0)).abs() < 1e-15);
+    near(of_rho, mu_rho(&law, 4.0), 1e-15);
 }
 
 #[test]
@@ -67,7 +68,7 @@ fn equation_9_as_printed_is_mu_rho_of_root_pi() {
         range: (0.15 * da / (4.0 * PI)).sqrt(),
         ..law(Shape::Morse(Morse))
     };
-    assert!((mu_rho(&law, da) - PI.sqrt()).abs() < 1e-14);
+    near(mu_rho(&law, da), PI.sqrt(), 1e-14);
 }
 
 #[test]
@@ -90,7 +91,7 @@ fn half_is_safe_because_the_shortest_unstable_wave_is_four_pi_spacings() {
         ..law
     };
     let wave = 4.0 * PI * 4.0;
-    assert!((wave - flat::critical_length(&law)).abs() < 1e-12 * wave);
+    near(wave, flat::critical_length(&law), 1e-12 * wave);
 }
 
 #[test]

@@ -1,6 +1,7 @@
 //! The transforms and the iterative linear algebra, against slow and obvious versions of
 //! themselves.
 
+use crate::near;
 use ndarray::Array2;
 use proptest::prelude::*;
 use rayon::ThreadPoolBuilder;
@@ -222,7 +223,7 @@ fn jacobi_finds_the_eigenvalues_a_matrix_was_made_of() {
     let a = matrix(&wanted);
     let (values, vectors) = symmetric_eigen(a.clone());
     for (value, want) in values.iter().zip(wanted) {
-        assert!((value - want).abs() < 1e-13);
+        near(*value, want, 1e-13);
     }
     for (value, v) in values.iter().zip(&vectors) {
         let mut av = vec![0.0; v.len()];
@@ -277,7 +278,7 @@ fn lobpcg_finds_the_smallest_pair_and_leaves_out_removed_directions() {
         limits,
         &Cancel::default(),
     );
-    assert!((next.values[0] - 1.2).abs() < 1e-9, "{:?}", next.values);
+    near(next.values[0], 1.2, 1e-9);
 }
 
 #[test]

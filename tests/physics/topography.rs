@@ -1,5 +1,6 @@
 //! Measured heights against closed forms: statistics, trends, holes, periods and waves.
 
+use crate::{close, near};
 use ndarray::Array2;
 use proptest::prelude::*;
 use std::f64::consts::{PI, TAU};
@@ -51,9 +52,9 @@ fn a_sinusoid_has_the_root_mean_squares_of_its_closed_form() {
     let phase = 0.5 * q * side / n as f64;
     let seen = phase.sin() / phase;
     let root = amplitude / 2f64.sqrt();
-    assert!((found.height / root - 1.0).abs() < 1e-12);
-    assert!((found.gradient / (root * q * seen) - 1.0).abs() < 1e-12);
-    assert!((found.laplacian / (root * q * q * seen * seen) - 1.0).abs() < 1e-10);
+    close(found.height, root, 1e-12);
+    close(found.gradient, root * q * seen, 1e-12);
+    close(found.laplacian, root * q * q * seen * seen, 1e-10);
     assert!(seen > 0.999);
 }
 
@@ -66,13 +67,13 @@ fn statistics_of_an_open_map_leave_out_what_reaches_over_its_border() {
         x * x + 3.0 * y
     });
     let found = Statistics::of(&h, [d, d], Border::Open);
-    assert!((found.laplacian - 2.0).abs() < 1e-10);
+    near(found.laplacian, 2.0, 1e-10);
     let slope = (0..n - 1).map(|i| (2.0 * i as f64 * d + d).powi(2) + 9.0);
     let exact = (slope.sum::<f64>() / (n - 1) as f64).sqrt();
-    assert!((found.gradient - exact).abs() < 1e-12);
+    near(found.gradient, exact, 1e-12);
     let profile = h.row(0).to_owned().insert_axis(ndarray::Axis(0));
     let profile = Statistics::of(&profile, [d, d], Border::Open);
-    assert!((profile.laplacian - 2.0).abs() < 1e-10);
+    near(profile.laplacian, 2.0, 1e-10);
 }
 
 /// An SVD of the normal equations of these points is off by a hundredth.
@@ -268,7 +269,7 @@ fn the_report_of_a_ground_keeps_the_mean_square_in_distribution_and_spectrum() {
     );
     let report = GroundReport::of(&ground, &Grid::square(side, 48), None).unwrap();
     let square = 0.5 * (0.7f64.powi(2) + 0.2f64.powi(2));
-    assert!((report.cell.height.powi(2) / square - 1.0).abs() < 1e-10);
+    close(report.cell.height.powi(2), square, 1e-10);
     let step = report.distribution[1][0] - report.distribution[0][0];
     let total: f64 = report
         .distribution
@@ -285,6 +286,6 @@ fn the_report_of_a_ground_keeps_the_mean_square_in_distribution_and_spectrum() {
         ring.unwrap()[1]
     };
     let area = side * side;
-    assert!((power(2.0) * 12.0 / area - 0.5 * 0.7f64.powi(2)).abs() < 1e-10);
-    assert!((power(4.0) * 32.0 / area - 0.5 * 0.2f64.powi(2)).abs() < 1e-10);
+    near(power(2.0) * 12.0 / area, 0.5 * 0.7f64.powi(2), 1e-10);
+    near(power(4.0) * 32.0 / area, 0.5 * 0.2f64.powi(2), 1e-10);
 }

@@ -29,13 +29,66 @@ pub fn folder() -> TempDir {
     tempfile::tempdir().expect("a temporary folder")
 }
 
+/// Where there is no display.
+pub fn without_display(place: &Path) -> Command {
+    let mut command = tackscope();
+    for display in ["DISPLAY", "WAYLAND_DISPLAY", "WAYLAND_SOCKET"] {
+        command.env_remove(display);
+    }
+    command.current_dir(place);
+    command
+}
+
+/// What it says to these words.
+pub fn answer(words: &[&str]) -> String {
+    done(&tackscope().args(words).output().expect("the binary runs"))
+}
+
+/// A command with the folder that it writes into.
+pub fn command(words: &[&str], out: &Path) -> Command {
+    let mut command = tackscope();
+    command.args(words).arg("--out").arg(out);
+    command
+}
+
+pub fn perform(words: &[&str], out: &Path) -> Output {
+    command(words, out).output().expect("the binary runs")
+}
+
 pub fn run(scene: &str, out: &Path, more: &[&str]) -> Output {
-    tackscope()
-        .args(["run", scene, "--out"])
-        .arg(out)
-        .args(more)
-        .output()
-        .expect("the binary runs")
+    perform(&[&["run", scene], more].concat(), out)
+}
+
+/// What it says on standard output.
+pub fn said(output: &Output) -> String {
+    String::from_utf8(output.stdout.clone()).expect("UTF-8")
+}
+
+/// The same, all being well.
+#[track_caller]
+pub fn done(output: &Output) -> String {
+    assert_eq!(output.status.code(), Some(0), "{}", errors(output));
+    said(output)
+}
+
+/// Holds it to have refused in one sentence that names each of these parts; the sentence.
+#[track_caller]
+pub fn refuses(output: &Output, parts: &[&str]) -> String {
+    let sentence = errors(output);
+    assert_eq!(output.status.code(), Some(2), "{sentence}");
+    assert_eq!(sentence.lines().count(), 1, "{sentence}");
+    says(&sentence, parts);
+    sentence
+}
+
+/// The text of a file.
+#[track_caller]
+pub fn content(path: impl AsRef<Path>) -> String {
+    fs::read_to_string(&path).unwrap_or_else(|why| panic!("{}: {why}", path.as_ref().display()))
+}
+
+pub fn is_png(path: &Path) -> bool {
+    fs::read(path).is_ok_and(|bytes| bytes.starts_with(b"\x89PNG"))
 }
 
 pub fn errors(output: &Output) -> String {
@@ -43,22 +96,33 @@ pub fn errors(output: &Output) -> String {
 }
 
 pub fn summary(folder: &Path) -> serde_json::Value {
-    serde_json::from_str(&fs::read_to_string(folder.join("summary.json")).expect("summary.json"))
-        .expect("JSON")
+    serde_json::from_str(&content(folder.join("summary.json"))).expect("JSON")
 }
 
 /// The path of a scene file in a folder of its own: Fig. 2, in which the beginnings of lines are
 /// replaced.
 pub fn fig2_with(replacements: &[(&str, &str)]) -> (String, TempDir) {
+    with("fig2", replacements)
+}
+
+/// The same of another preset.
+pub fn with(preset: &str, replacements: &[(&str, &str)]) -> (String, TempDir) {
     let home = folder();
-    let mut text = presets::find("fig2").expect("built in").text.to_owned();
-    for (start, replacement) in replacements {
-        assert!(text.contains(start), "{start}");
-        text = text.replacen(start, replacement, 1);
-    }
     let path = home.path().join("scene.toml");
-    fs::write(&path, text).expect("written");
+    fs::write(&path, text_with(preset, replacements)).expect("written");
     (path.display().to_string(), home)
+}
+
+/// The text of a preset in which the beginnings of lines are replaced.
+#[track_caller]
+pub fn text_with(preset: &str, replacements: &[(&str, &str)]) -> String {
+    let text = presets::find(preset).expect("built in").text.to_owned();
+    replacements
+        .iter()
+        .fold(text, |text, (start, replacement)| {
+            assert!(text.contains(start), "{start} is in {preset}");
+            text.replacen(start, replacement, 1)
+        })
 }
 
 /// A run that is going on; killed if a test fails.
@@ -69,9 +133,7 @@ pub struct Running {
 
 impl Running {
     pub fn start(scene: &str, out: &Path, more: &[&str]) -> Self {
-        let mut command = tackscope();
-        command.args(["run", scene, "--out"]).arg(out).args(more);
-        Self::spawn(command)
+        Self::spawn(command(&[&["run", scene], more].concat(), out))
     }
 
     pub fn spawn(mut command: Command) -> Self {

@@ -1,6 +1,9 @@
 //! What other programs read and send: scenes through a pipe, fields for numpy, films.
 
-use crate::binary::{errors, fig2_with, folder, run, says, tackscope};
+use crate::binary::{
+    answer, content, done, errors, fig2_with, folder, perform, refuses, run, says, tackscope,
+    text_with,
+};
 use ndarray::Array2;
 use npyz::{Deserialize, NpyFile};
 use std::fs::{self, File};
@@ -10,8 +13,9 @@ use std::process::{Command, Output, Stdio};
 use tackscope::physics::grid::Grid;
 use tackscope::physics::system::System;
 use tackscope::plot::colours::Colours;
+use tackscope::scene::Model;
 use tackscope::storage::film::{FilmKind, Shot, write_film};
-use tackscope::storage::{VERSION, presets, scene_file};
+use tackscope::storage::{Failure, VERSION, presets, scene_file};
 use zip::ZipArchive;
 
 /// The binary with a text on its standard input.
@@ -29,14 +33,9 @@ fn piped(arguments: &[&str], text: &str) -> Output {
     child.wait_with_output().expect("it ends")
 }
 
-fn told(output: &Output) -> String {
-    assert_eq!(output.status.code(), Some(0), "{}", errors(output));
-    String::from_utf8(output.stdout.clone()).expect("UTF-8")
-}
-
 /// A table of a run without its times.
 fn table(folder: &Path, name: &str) -> Vec<Vec<String>> {
-    let text = fs::read_to_string(folder.join(name)).expect(name);
+    let text = content(folder.join(name));
     let head: Vec<&str> = text.lines().next().unwrap_or_default().split(',').collect();
     // Quoted cells, which hold commas, stand before the times.
     let times = head
@@ -62,7 +61,7 @@ fn a_scene_from_standard_input_has_the_loop_of_its_preset() {
     assert!(run("fig2", &by_name, &COARSE).status.success());
     let out = by_pipe.display().to_string();
     let arguments = [&["run", "-", "--out", &out], &COARSE[..]].concat();
-    told(&piped(&arguments, presets::find("fig2").unwrap().text));
+    done(&piped(&arguments, presets::find("fig2").unwrap().text));
     for name in ["loop.csv", "events.csv"] {
         assert_eq!(table(&by_pipe, name), table(&by_name, name));
     }
@@ -70,13 +69,10 @@ fn a_scene_from_standard_input_has_the_loop_of_its_preset() {
 
 #[test]
 fn a_refused_scene_from_standard_input_is_named_so() {
-    let text = presets::find("fig2").unwrap().text;
-    let text = text.replacen("length = 256.0", "length = -1", 1);
+    let text = text_with("fig2", &[("length = 256.0", "length = -1")]);
     for command in ["run", "diagram", "chart"] {
         let output = piped(&[command, "-", "--out", "nowhere"], &text);
-        assert_eq!(output.status.code(), Some(2));
-        let sentence = errors(&output);
-        says(&sentence, &["standard input", "cell.length = -1"]);
+        refuses(&output, &["standard input", "cell.length = -1"]);
     }
 }
 
@@ -99,7 +95,7 @@ fn a_printed_scene_is_decided_and_has_the_loop_of_the_one_it_was_made_of() {
     for replacements in [&auto[..], &coarse, &layer] {
         let (scene, home) = fig2_with(replacements);
         let given = scene_file::load(Path::new(&scene)).unwrap();
-        let text = told(&tackscope().args(["scene", &scene]).output().unwrap());
+        let text = answer(&["scene", &scene]);
         assert!(!text.contains("auto") && !text.contains("mu_rho"), "{text}");
         let printed = scene_file::parse(&text, "printed").unwrap();
         let (old, new) = (given.model().unwrap(), printed.model().unwrap());
@@ -107,16 +103,11 @@ fn a_printed_scene_is_decided_and_has_the_loop_of_the_one_it_was_made_of() {
         assert_eq!((old.indenter, old.mu_rho), (new.indenter, new.mu_rho));
         assert_eq!((given.drive, given.seed), (printed.drive, printed.seed));
         assert_eq!(
-            told(&piped(&["scene", "-"], &text)),
+            done(&piped(&["scene", "-"], &text)),
             text,
             "it prints itself"
         );
-        let json = told(
-            &tackscope()
-                .args(["scene", &scene, "--json"])
-                .output()
-                .unwrap(),
-        );
+        let json = answer(&["scene", &scene, "--json"]);
         let json: serde_json::Value = serde_json::from_str(&json).expect("JSON");
         let toml: toml::Table = text.parse().unwrap();
         assert_eq!(json, serde_json::to_value(&toml).unwrap());
@@ -130,7 +121,7 @@ fn a_printed_scene_is_decided_and_has_the_loop_of_the_one_it_was_made_of() {
             &["run", "-", "--out", &other.display().to_string()],
             &step[..],
         ];
-        told(&piped(&arguments.concat(), &text));
+        done(&piped(&arguments.concat(), &text));
         assert_eq!(table(&one, "loop.csv"), table(&other, "loop.csv"));
     }
 }
@@ -147,6 +138,19 @@ fn array<T: Deserialize>(file: &Path, name: &str) -> (Vec<u64>, Vec<T>) {
 
 fn text(file: &Path, name: &str) -> String {
     array(file, name).1.remove(0)
+}
+
+/// What the scene inside means.
+fn model(file: &Path) -> Model {
+    let scene = scene_file::parse(&text(file, "scene"), "fields.npz").unwrap();
+    scene.model().unwrap()
+}
+
+/// The field of this number among `all`, of a shape.
+fn field(all: &[f64], number: usize, shape: (usize, usize)) -> Array2<f64> {
+    let mut fields = all.chunks_exact(shape.0 * shape.1);
+    let field = fields.nth(number).expect("it is there");
+    Array2::from_shape_vec(shape, field.to_vec()).unwrap()
 }
 
 /// A column of `loop.csv`, of the tables' last columns or first ones.
@@ -181,7 +185,7 @@ fn the_fields_of_every_state_are_in_equilibrium_and_have_its_stress() {
         let out = home.path().join("out");
         let more = ["--model", "whole", "--fields", "all", "--quiet"];
         let output = run(&scene, &out, &more);
-        assert!(output.status.success(), "{}", errors(&output));
+        done(&output);
         let file = out.join("fields.npz");
         let (shape, gap): (_, Vec<f64>) = array(&file, "gap");
         let u0: Vec<f64> = array(&file, "mean_displacement").1;
@@ -199,8 +203,7 @@ fn the_fields_of_every_state_are_in_equilibrium_and_have_its_stress() {
         assert!(same && cells.len() == u0.len());
 
         // The scene inside, and the archive's own stiffness of each wave.
-        let scene = scene_file::parse(&text(&file, "scene"), "fields.npz").unwrap();
-        let model = scene.model().unwrap();
+        let model = model(&file);
         let system = System::new(model.grid, model.law, &model.indenter).with_body(model.body);
         let stiffness: Vec<f64> = array(&file, "wave_stiffness").1;
         let (ny, nx) = model.grid.shape();
@@ -211,11 +214,7 @@ fn the_fields_of_every_state_are_in_equilibrium_and_have_its_stress() {
             }
         }
         let mut ws = system.workspace();
-        let points = model.grid.points();
-        let of = |all: &[f64], i: usize| {
-            let field = all[i * points..(i + 1) * points].to_vec();
-            ndarray::Array2::from_shape_vec((ny, nx), field).unwrap()
-        };
+        let of = |all: &[f64], i: usize| field(all, i, (ny, nx));
         for (i, u0) in u0.iter().enumerate() {
             let field = of(&displacement, i);
             assert!((field.mean().unwrap() - u0).abs() < 1e-12);
@@ -256,7 +255,7 @@ fn every_nth_state_or_those_around_jumps_can_be_kept_instead() {
     }
     let refused = run("fig2", &home.path().join("no"), &["--fields", "every=0"]);
     assert_eq!(refused.status.code(), Some(2));
-    assert!(errors(&refused).contains("every=N"), "{}", errors(&refused));
+    says(&errors(&refused), &["every=N"]);
 }
 
 /// The mode is held against the second difference of the energy along it.
@@ -270,7 +269,7 @@ fn the_soft_mode_before_a_jump_has_the_stiffness_of_its_state() {
         let out = home.path().join(model);
         let more = ["--fields", "jumps", "--quiet", "--model", model];
         let output = run(&scene, &out, &more);
-        assert!(output.status.success(), "{}", errors(&output));
+        done(&output);
         let file = out.join("fields.npz");
         let (shape, modes): (_, Vec<f64>) = array(&file, "soft_mode");
         let of: Vec<i64> = array(&file, "soft_mode_state").1;
@@ -280,24 +279,18 @@ fn the_soft_mode_before_a_jump_has_the_stiffness_of_its_state() {
         assert!(jumps >= 6);
         assert_eq!(shape, [jumps as u64, 32, 32]);
         assert_eq!(of.len(), jumps);
-        let scene = scene_file::parse(&text(&file, "scene"), "fields.npz").unwrap();
-        let decided = scene.model().unwrap();
+        let decided = self::model(&file);
         let system = System::new(decided.grid, decided.law, &decided.indenter);
         let mut ws = system.workspace();
-        let points = decided.grid.points();
-        let field = |all: &[f64], i: usize| {
-            let field = all[i * points..(i + 1) * points].to_vec();
-            ndarray::Array2::from_shape_vec((32, 32), field).unwrap()
-        };
         let [u0s, stiffness] = [1, 7].map(|index| column(&out, index));
         for (i, &state) in of.iter().enumerate() {
             let row = states.iter().position(|s| *s == state).unwrap();
-            let mode = field(&modes, i);
+            let mode = field(&modes, i, (32, 32));
             assert!((mode.mapv(|v| v * v).mean().unwrap() - 1.0).abs() < 1e-9);
             let u0: f64 = u0s[state as usize].parse().unwrap();
             let told: f64 = stiffness[state as usize].parse().unwrap();
             let mut energy = |by: f64| {
-                let moved = field(&displacement, row) + &(&mode * by);
+                let moved = field(&displacement, row, (32, 32)) + &(&mode * by);
                 let z = system.amplitudes(&moved, &mut ws);
                 system.at(z, u0, &mut ws).state.energy
             };
@@ -313,17 +306,11 @@ fn the_soft_mode_before_a_jump_has_the_stiffness_of_its_state() {
 fn the_fields_of_a_diagram_are_in_equilibrium_on_every_branch() {
     let (scene, home) = fig2_with(&[("points = 64", "points = 48")]);
     let out = home.path().join("out");
-    let output = tackscope()
-        .args(["diagram", &scene, "--fields", "--quiet", "--out"])
-        .arg(&out)
-        .output()
-        .expect("the binary runs");
-    assert!(output.status.success(), "{}", errors(&output));
+    done(&perform(&["diagram", &scene, "--fields", "--quiet"], &out));
     let file = out.join("fields.npz");
     let branches: Vec<String> = array(&file, "branches").1;
     assert!(branches.len() >= 4, "{branches:?}");
-    let scene = scene_file::parse(&text(&file, "scene"), "fields.npz").unwrap();
-    let model = scene.model().unwrap();
+    let model = model(&file);
     let rows = table(&out, "branches.csv").split_off(1);
     let mut rows = rows.iter();
     for branch in branches {
@@ -342,10 +329,8 @@ fn the_fields_of_a_diagram_are_in_equilibrium_on_every_branch() {
         for (i, u0) in u0s.iter().enumerate() {
             let row = rows.next().expect("a row a point");
             assert_eq!((&row[0], row[2].parse()), (&branch, Ok(*u0)));
-            let part = i * ny * nx..(i + 1) * ny * nx;
-            let values = displacement[part.clone()].to_vec();
-            let field = ndarray::Array2::from_shape_vec((ny, nx), values).unwrap();
-            let amplitudes = system.amplitudes(&field, &mut ws);
+            let of = |all: &[f64]| field(all, i, (ny, nx));
+            let amplitudes = system.amplitudes(&of(&displacement), &mut ws);
             let at = system.at(amplitudes, *u0, &mut ws);
             // Where a branch meets the ridge the state is known on the ridge's finer line, some of
             // whose waves a square mesh lacks.
@@ -353,9 +338,8 @@ fn the_fields_of_a_diagram_are_in_equilibrium_on_every_branch() {
             let [balance, pull] = if meets { [1e-3, 1e-5] } else { [1e-6, 1e-9] };
             assert!(system.residual(&at, &mut ws) < balance, "{branch} {u0}");
             assert!((at.state.stress - stress[i]).abs() < pull, "{branch} {u0}");
-            for (a, b) in at.fields.gap.iter().zip(&gap[part]) {
-                assert!((a - b).abs() < 1e-10);
-            }
+            let off = &at.fields.gap - &of(&gap);
+            assert!(off.iter().all(|off| off.abs() < 1e-10));
         }
     }
     assert!(rows.next().is_none());
@@ -373,7 +357,7 @@ fn the_lines_of_python_in_the_readme_find_every_state_in_equilibrium() {
         eprintln!("skipped: there is no python3 with numpy");
         return;
     }
-    let readme = fs::read_to_string("README.md").expect("the README is there");
+    let readme = content("README.md");
     let (_, rest) = readme.split_once("```python\n").expect("some Python");
     let (script, _) = rest.split_once("```").expect("its end");
     let lines: Vec<&str> = (script.lines())
@@ -384,7 +368,7 @@ fn the_lines_of_python_in_the_readme_find_every_state_in_equilibrium() {
         "--points", "32", "--step", "0.2", "--model", "whole", "--fields", "all",
     ];
     let output = run("fig2", &home.path().join("results"), &more);
-    assert!(output.status.success(), "{}", errors(&output));
+    done(&output);
     let output = python(&lines.join("\n"), home.path()).expect("it runs");
     let found = String::from_utf8_lossy(&output.stdout).trim().to_owned();
     let residual: f64 = found
@@ -405,6 +389,17 @@ fn shots() -> impl Iterator<Item = Shot> {
     })
 }
 
+/// A film of the first `count` of them.
+fn film(
+    path: &Path,
+    kind: FilmKind,
+    count: usize,
+    tell: &mut dyn FnMut(f64) -> bool,
+) -> Result<(), Failure> {
+    let look = (TOP, Colours::default());
+    write_film(path, kind, (shots().take(count), count), look, tell)
+}
+
 /// Red, green and blue where the first picture has its point in this row and column.
 fn wanted(row: usize, column: usize) -> [u8; 3] {
     let gap = shots().next().expect("a picture").gap[[row, column]];
@@ -418,20 +413,13 @@ fn is_near(a: [u8; 3], b: [u8; 3]) -> bool {
 
 #[test]
 fn a_gif_has_every_picture_in_the_colours_of_the_map() {
-    let folder = tempfile::tempdir().unwrap();
+    let folder = folder();
     let path = folder.path().join("film.gif");
     let mut shares = Vec::new();
-    let film = (shots(), COUNT);
-    write_film(
-        &path,
-        FilmKind::Gif,
-        film,
-        (TOP, Colours::default()),
-        &mut |share| {
-            shares.push(share);
-            true
-        },
-    )
+    film(&path, FilmKind::Gif, COUNT, &mut |share| {
+        shares.push(share);
+        true
+    })
     .unwrap();
     assert_eq!(shares, [0.2, 0.4, 0.6, 0.8, 1.0]);
     let mut options = gif::DecodeOptions::new();
@@ -466,17 +454,9 @@ fn a_gif_has_every_picture_in_the_colours_of_the_map() {
 
 #[test]
 fn an_animated_png_has_every_picture() {
-    let folder = tempfile::tempdir().unwrap();
+    let folder = folder();
     let path = folder.path().join("film.png");
-    let film = (shots(), COUNT);
-    write_film(
-        &path,
-        FilmKind::Apng,
-        film,
-        (TOP, Colours::default()),
-        &mut |_| true,
-    )
-    .unwrap();
+    film(&path, FilmKind::Apng, COUNT, &mut |_| true).unwrap();
     let decoder = png::Decoder::new(BufReader::new(File::open(&path).unwrap()));
     let mut film = decoder.read_info().unwrap();
     let told = film.info().animation_control.expect("it is animated");
@@ -492,27 +472,13 @@ fn an_animated_png_has_every_picture() {
 
 #[test]
 fn of_a_film_that_is_given_up_nothing_is_left_and_what_was_there_stays() {
-    let folder = tempfile::tempdir().unwrap();
+    let folder = folder();
     let path = folder.path().join("film.gif");
-    std::fs::write(&path, "what was there").unwrap();
-    let film = (shots(), COUNT);
-    let end = write_film(
-        &path,
-        FilmKind::Gif,
-        film,
-        (TOP, Colours::default()),
-        &mut |share| share < 0.5,
-    );
+    fs::write(&path, "what was there").unwrap();
+    let end = film(&path, FilmKind::Gif, COUNT, &mut |share| share < 0.5);
     assert!(end.unwrap_err().to_string().contains("given up"));
-    assert_eq!(std::fs::read_to_string(&path).unwrap(), "what was there");
-    assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 1);
-    let none = (std::iter::empty::<Shot>(), 0);
-    let end = write_film(
-        &path,
-        FilmKind::Apng,
-        none,
-        (TOP, Colours::default()),
-        &mut |_| true,
-    );
+    assert_eq!(content(&path), "what was there");
+    assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 1);
+    let end = film(&path, FilmKind::Apng, 0, &mut |_| true);
     assert!(end.unwrap_err().to_string().contains("nothing to show"));
 }

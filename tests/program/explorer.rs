@@ -1,16 +1,13 @@
 //! The guide's table of an explorer names only tests and pictures that exist.
 
+use crate::binary::content;
+use crate::floors::files_under;
 use std::collections::BTreeSet;
-use std::fs;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 const PAGE: &str = "assets/guide/explorer.md";
 /// Whose users expect it.
 const EXPECTING: [&str; 6] = ["PhET", "VisualPDE", "XPPAUT", "Rerun", "Desmos", "GeoGebra"];
-
-fn root() -> &'static Path {
-    Path::new(env!("CARGO_MANIFEST_DIR"))
-}
 
 /// A row of a table: what one can do, who expects it, the answer, and what shows it.
 struct Row {
@@ -54,33 +51,24 @@ impl Row {
 
 /// Both tables.
 fn tables() -> [Vec<Row>; 2] {
-    let page = fs::read_to_string(root().join(PAGE)).unwrap();
+    let page = content(PAGE);
     let (expected, own) = page.split_once("## What no other has").unwrap();
     [expected, own].map(|part| part.lines().filter_map(Row::of).collect())
 }
 
 /// The names of all tests.
 fn tests() -> BTreeSet<String> {
-    let mut open: Vec<PathBuf> = ["src", "tests"].map(|folder| root().join(folder)).to_vec();
-    let mut names = BTreeSet::new();
-    while let Some(path) = open.pop() {
-        if path.is_dir() {
-            open.extend(
-                fs::read_dir(&path)
-                    .unwrap()
-                    .map(|entry| entry.unwrap().path()),
-            );
-        } else if path.extension().is_some_and(|end| end == "rs") {
-            let text = fs::read_to_string(&path).unwrap();
-            for test in text.split("#[test]").skip(1) {
-                let name = test
-                    .split_once("fn ")
-                    .and_then(|(_, rest)| rest.split_once('('));
-                names.extend(name.map(|(name, _)| name.to_owned()));
-            }
-        }
-    }
-    names
+    let name = |test: &str| {
+        let (_, rest) = test.split_once("fn ")?;
+        Some(rest.split_once('(')?.0.to_owned())
+    };
+    let files = ["src", "tests"].into_iter().flat_map(files_under);
+    files
+        .flat_map(|(_, text)| {
+            let tests = text.split("#[test]").skip(1);
+            tests.filter_map(name).collect::<Vec<_>>()
+        })
+        .collect()
 }
 
 #[test]
@@ -99,7 +87,7 @@ fn the_table_of_an_explorer_has_54_and_15_rows_each_once() {
             );
         }
     }
-    let page = fs::read_to_string(root().join(PAGE)).unwrap();
+    let page = content(PAGE);
     let count = |rows: &[Row], answer: &str| rows.iter().filter(|row| row.answer == answer).count();
     let [yes, partly, no] = ["yes", "partly", "no"].map(|answer| count(&expected, answer));
     let sum = format!("Of the 54 rows {yes} are so, {partly} partly and {no} not");
@@ -135,7 +123,7 @@ fn every_row_of_the_explorer_is_shown_by_a_test_or_picture_that_is_there_or_says
         assert!(fits, "{}: {} and {}", row.can, row.answer, row.shown);
         for name in row.evidence() {
             let is_there = if name.ends_with(".png") {
-                root().join("tests/window/screens").join(name).is_file()
+                Path::new("tests/window/screens").join(name).is_file()
             } else {
                 tests.contains(name)
             };

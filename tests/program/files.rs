@@ -1,12 +1,16 @@
 //! What the program does to files, folders and streams that are not as it would like them.
 #![cfg(unix)]
 
-use crate::binary::{Running, errors, fig2_with, folder, run, says, summary, tackscope};
+use crate::binary::{
+    Running, content, done, errors, fig2_with, folder, perform, refuses, run, says, summary,
+    tackscope, without_display,
+};
 use std::fs::{self, File};
 use std::os::unix::fs::{FileTypeExt, PermissionsExt, symlink};
 use std::path::Path;
 use std::process::{Command, Output, Stdio};
-use tackscope::storage::{files, presets};
+use tackscope::scene::{Range, Turn};
+use tackscope::storage::{files, presets, scene_file};
 
 const RESULTS: [&str; 5] = [
     "loop.csv",
@@ -75,18 +79,13 @@ fn one_file_that_cannot_be_written_does_not_keep_the_others() {
 #[test]
 fn what_is_read_only_is_refused_before_anything_is_computed_or_removed() {
     let home = folder();
-    assert_eq!(quick(home.path()).status.code(), Some(0));
+    done(&quick(home.path()));
     let events = home.path().join("events.csv");
     fs::write(&events, "mine").expect("written");
     fs::set_permissions(&events, fs::Permissions::from_mode(0o444)).expect("set");
     let output = run("no-hysteresis", home.path(), &["--points", "8"]);
-    assert_eq!(output.status.code(), Some(2));
-    assert!(
-        errors(&output).contains("events.csv: cannot be written (it is read-only"),
-        "{}",
-        errors(&output)
-    );
-    assert_eq!(fs::read_to_string(&events).expect("there"), "mine");
+    refuses(&output, &["events.csv: cannot be written (it is read-only"]);
+    assert_eq!(content(&events), "mine");
     assert_eq!(
         summary(home.path())["plan"]["points"],
         serde_json::json!([8, 8])
@@ -114,7 +113,7 @@ fn a_link_stays_a_link_and_its_file_keeps_its_mode() {
     files::write_whole(&dangling, b"first").expect("written");
     for (link, file, text) in [(&link, &old, "better"), (&dangling, &new, "first")] {
         assert!(fs::symlink_metadata(link).expect("there").is_symlink());
-        assert_eq!(fs::read_to_string(file).expect("there"), text);
+        assert_eq!(content(file), text);
     }
     assert_eq!(
         fs::metadata(&old).expect("there").permissions().mode() & 0o777,
@@ -132,16 +131,13 @@ fn a_link_stays_a_link_and_its_file_keeps_its_mode() {
     let open = File::open(&old).expect("open");
     let path = format!("/dev/fd/{}", std::os::fd::AsRawFd::as_raw_fd(&open));
     assert!(files::write_whole(Path::new(&path), b"x").is_err());
-    assert_eq!(fs::read_to_string(&old).expect("there"), "better");
+    assert_eq!(content(&old), "better");
 }
 
 #[test]
 fn an_earlier_run_is_gone_when_the_next_one_begins_and_that_is_said() {
     let home = folder();
-    assert_eq!(
-        run("fig2", home.path(), &["--quiet"]).status.code(),
-        Some(0)
-    );
+    done(&run("fig2", home.path(), &["--quiet"]));
     assert!(
         fs::read_dir(home.path().join("gaps"))
             .expect("listed")
@@ -186,22 +182,9 @@ fn an_earlier_run_is_gone_when_the_next_one_begins_and_that_is_said() {
         &["figure", "4", "--quick"],
         &["chart", "fig2", "--quick"],
     ] {
-        let output = tackscope()
-            .args(more)
-            .arg("--out")
-            .arg(home.path())
-            .output()
-            .expect("runs");
-        let told = errors(&output);
-        assert_eq!(output.status.code(), Some(2), "{told}");
-        assert!(
-            told.contains(&format!(
-                "another tackscope (process {}) is writing into it",
-                running.id()
-            )),
-            "{told}"
-        );
-        assert_eq!(told.lines().count(), 1, "{told}");
+        let process = running.id();
+        let why = format!("another tackscope (process {process}) is writing into it");
+        refuses(&perform(more, home.path()), &[&why]);
     }
     running.signal("KILL");
     assert_eq!(running.end().0, None);
@@ -210,12 +193,9 @@ fn an_earlier_run_is_gone_when_the_next_one_begins_and_that_is_said() {
         "running",
         "a killed run is recognised"
     );
-    assert_eq!(
-        fs::read_to_string(home.path().join("notes.txt")).expect("there"),
-        "mine"
-    );
+    assert_eq!(content(home.path().join("notes.txt")), "mine");
     // The lock went with its process.
-    assert_eq!(quick(home.path()).status.code(), Some(0));
+    done(&quick(home.path()));
     assert_eq!(strangers(home.path()), ["notes.txt"]);
 }
 
@@ -230,10 +210,10 @@ fn what_killed_runs_have_left_is_swept_and_what_is_being_written_is_not() {
     }
     let held = File::options().write(true).open(&alive).expect("open");
     held.lock().expect("locked");
-    assert_eq!(quick(home.path()).status.code(), Some(0));
+    done(&quick(home.path()));
     assert!(left.iter().all(|path| !path.exists()) && alive.exists());
     drop(held);
-    assert_eq!(quick(home.path()).status.code(), Some(0));
+    done(&quick(home.path()));
     assert!(!alive.exists());
 }
 
@@ -251,14 +231,7 @@ fn a_full_disk_is_noticed_before_the_computation() {
         .args(["-c", &command])
         .output()
         .expect("sh runs");
-    let told = errors(&output);
-    assert_eq!(output.status.code(), Some(2), "{told}");
-    assert!(
-        told.contains("cannot be written")
-            && told.contains("MB are needed")
-            && told.lines().count() == 1,
-        "{told}"
-    );
+    refuses(&output, &["cannot be written", "MB are needed"]);
     assert_eq!(fs::read_dir(&out).expect("listed").count(), 0);
 }
 
@@ -314,12 +287,7 @@ fn where_nobody_hears_it_the_work_is_done_all_the_same() {
             .open("/dev/full")
             .expect("/dev/full")
     };
-    let mut command = tackscope();
-    for display in ["DISPLAY", "WAYLAND_DISPLAY", "WAYLAND_SOCKET"] {
-        command.env_remove(display);
-    }
-    let status = command
-        .current_dir(home.path())
+    let status = without_display(home.path())
         .stdout(Stdio::null())
         .stderr(deaf())
         .status()
@@ -329,10 +297,10 @@ fn where_nobody_hears_it_the_work_is_done_all_the_same() {
         summary(&home.path().join("tackscope-out"))["stop"],
         "completed"
     );
-    for (arguments, code) in [
-        (&["run", "nowhere", "--out", "x"][..], 2),
-        (&["figure", "99", "--out", "x"], 2),
-        (&["--magic"], 2),
+    for arguments in [
+        &["run", "nowhere", "--out", "x"][..],
+        &["figure", "99", "--out", "x"],
+        &["--magic"],
     ] {
         let status = tackscope()
             .args(arguments)
@@ -340,7 +308,7 @@ fn where_nobody_hears_it_the_work_is_done_all_the_same() {
             .stderr(deaf())
             .status()
             .expect("runs");
-        assert_eq!(status.code(), Some(code), "{arguments:?}");
+        assert_eq!(status.code(), Some(2), "{arguments:?}");
     }
 }
 
@@ -395,7 +363,7 @@ fn nothing_that_steers_a_terminal_or_spoils_an_svg_gets_out() {
             );
         }
     }
-    let svg = fs::read_to_string(out.join("loop.svg")).expect("loop.svg");
+    let svg = content(out.join("loop.svg"));
     // The characters of XML 1.0.
     assert!(svg.chars().all(|c| matches!(c, '\t' | '\n' | '\r' | ' '..='\u{d7ff}' | '\u{e000}'..='\u{fffd}' | '\u{10000}'..)));
     assert!(
@@ -422,7 +390,7 @@ fn a_tilde_that_no_shell_has_replaced_is_the_home_folder_or_refused() {
             .expect("runs")
     };
     let output = go("~/mine.toml", "~/results");
-    assert_eq!(output.status.code(), Some(0), "{}", errors(&output));
+    done(&output);
     assert_eq!(summary(&home.path().join("results"))["stop"], "completed");
     for (scene, out) in [
         ("fig2", "~nobody/results"),
@@ -441,7 +409,7 @@ fn a_tilde_that_no_shell_has_replaced_is_the_home_folder_or_refused() {
     }
     assert_eq!(fs::read_dir(place.path()).expect("listed").count(), 0);
     let output = go("fig2", "./~");
-    assert_eq!(output.status.code(), Some(0), "{}", errors(&output));
+    done(&output);
     assert!(
         place.path().join("~").is_dir(),
         "a name that begins so can be had"
@@ -453,18 +421,12 @@ fn a_budget_that_is_none_is_refused_before_anything_is_made() {
     for seconds in ["-5", "nan", "inf", "0", "1e300", "many"] {
         let home = folder();
         let out = home.path().join("out");
-        let output = tackscope()
-            .args(["chart", "fig2", &format!("--seconds={seconds}"), "--out"])
-            .arg(&out)
-            .output()
-            .expect("runs");
-        let told = errors(&output);
-        assert_eq!(output.status.code(), Some(2), "{told}");
-        assert!(
-            told.contains("--seconds")
-                && told.contains(seconds)
-                && told.contains("a number above 0"),
-            "{told}"
+        let budget = format!("--seconds={seconds}");
+        let output = perform(&["chart", "fig2", &budget], &out);
+        assert_eq!(output.status.code(), Some(2));
+        says(
+            &errors(&output),
+            &["--seconds", seconds, "a number above 0"],
         );
         assert!(!out.exists());
     }
@@ -472,28 +434,22 @@ fn a_budget_that_is_none_is_refused_before_anything_is_made() {
 
 #[test]
 fn progress_in_any_unit_of_length_tells_states_apart() {
-    let text = presets::find("no-hysteresis").expect("built in").text;
-    let length: f64 = text
-        .lines()
-        .find_map(|line| line.strip_prefix("length = "))
-        .and_then(|v| v.parse().ok())
-        .expect("a length");
+    let preset = presets::resolve("no-hysteresis").expect("built in");
     let home = folder();
     for unit in [1e-9, 1.0, 1e12] {
-        let scene = tackscope::storage::scene_file::parse(text, "preset").expect("a scene");
-        let mut scene = scene;
-        scene.cell.length = length * unit;
+        let mut scene = preset.clone();
+        scene.cell.length *= unit;
         scene.law.surface_energy *= unit;
-        if let tackscope::scene::Range::Length(range) = &mut scene.law.range {
+        if let Range::Length(range) = &mut scene.law.range {
             *range *= unit;
         }
         scene.drive.start *= unit;
         scene.drive.step *= unit;
-        if let tackscope::scene::Turn::At(turn) = &mut scene.drive.turn {
+        if let Turn::At(turn) = &mut scene.drive.turn {
             *turn *= unit;
         }
         let path = home.path().join("scaled.toml");
-        tackscope::storage::scene_file::save(&path, &scene).expect("saved");
+        scene_file::save(&path, &scene).expect("saved");
         let told = errors(&run(
             &path.display().to_string(),
             &home.path().join("out"),

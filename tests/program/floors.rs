@@ -1,6 +1,8 @@
 //! The walls of the house: which room may name what. Read from the sources, so that a wall cannot
 //! fall unnoticed.
 
+use crate::binary::content;
+use proc_macro2::{Delimiter, Spacing, TokenStream, TokenTree};
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -71,94 +73,48 @@ fn floor(room: &str) -> Option<u8> {
         .map(|(_, floor)| *floor)
 }
 
-/// The source with comments and, unless `keep_strings`, the inside of strings blanked out; line
-/// breaks stay.
-fn code(text: &str, keep_strings: bool) -> String {
-    let c: Vec<char> = text.chars().collect();
-    let at = |i: usize| c.get(i).copied().unwrap_or('\0');
-    let mut out = String::new();
-    let mut i = 0;
-    while i < c.len() {
-        let start = i;
-        let mut keep = true;
-        if at(i) == '/' && at(i + 1) == '/' {
-            keep = false;
-            while i < c.len() && at(i) != '\n' {
-                i += 1;
-            }
-        } else if at(i) == '/' && at(i + 1) == '*' {
-            keep = false;
-            let mut depth = 0;
-            loop {
-                let pair = (at(i), at(i + 1));
-                depth += i32::from(pair == ('/', '*')) - i32::from(pair == ('*', '/'));
-                i += if pair == ('/', '*') || pair == ('*', '/') {
-                    2
-                } else {
-                    1
-                };
-                if depth == 0 || i >= c.len() {
-                    break;
-                }
-            }
-        } else if at(i) == 'r'
-            && (at(i + 1) == '"' || (at(i + 1) == '#' && "\"#".contains(at(i + 2))))
-        {
-            keep = keep_strings;
-            let hashes = c[i + 1..].iter().take_while(|&&c| c == '#').count();
-            i += 2 + hashes;
-            let closes = |i: usize| at(i) == '"' && (0..hashes).all(|k| at(i + 1 + k) == '#');
-            while i < c.len() && !closes(i) {
-                i += 1;
-            }
-            i += 1 + hashes;
-        } else if at(i) == '"' {
-            keep = keep_strings;
-            i += 1;
-            while i < c.len() && at(i) != '"' {
-                i += if at(i) == '\\' { 2 } else { 1 };
-            }
-            i += 1;
-        } else if at(i) == '\'' && (at(i + 1) == '\\' || at(i + 2) == '\'') {
-            // A character, not a lifetime.
-            keep = false;
-            i += if at(i + 1) == '\\' { 3 } else { 2 };
-            while i < c.len() && at(i) != '\'' {
-                i += 1;
-            }
-            i += 1;
-        } else {
-            i += 1;
-        }
-        let piece = &c[start..i.min(c.len())];
-        out.extend(
-            piece
-                .iter()
-                .map(|&c| if keep || c == '\n' { c } else { ' ' }),
-        );
-    }
-    out
+/// The words and signs of the code, brackets among them, with `::`, `->` and `=>` as one sign each;
+/// comments and literals left out.
+fn tokens(code: &str) -> Vec<String> {
+    let stream = code.parse::<TokenStream>();
+    let stream = stream.unwrap_or_else(|why| panic!("{why}: {code}"));
+    let mut list = Vec::new();
+    flatten(stream, &mut list);
+    list
 }
 
-/// One word or one sign of the code, with `::` as one sign.
-fn tokens(code: &str) -> Vec<String> {
-    let mut list: Vec<String> = Vec::new();
-    let mut glued = false;
-    for c in code.chars() {
-        let word = c.is_alphanumeric() || c == '_';
-        match list.last_mut() {
-            Some(last)
-                if glued && word && last.chars().all(|c| c.is_alphanumeric() || c == '_') =>
-            {
-                last.push(c);
+/// Signs of two characters that are one.
+const PAIRS: [&str; 3] = ["::", "->", "=>"];
+
+fn flatten(stream: TokenStream, list: &mut Vec<String>) {
+    let mut joined = false;
+    for tree in stream {
+        match tree {
+            TokenTree::Group(group) => {
+                let [open, close] = match group.delimiter() {
+                    Delimiter::Brace => ["{", "}"],
+                    Delimiter::Bracket => ["[", "]"],
+                    _ => ["(", ")"],
+                };
+                list.push(open.to_owned());
+                flatten(group.stream(), list);
+                list.push(close.to_owned());
             }
-            Some(last) if glued && c == ':' && last == ":" => last.push(c),
-            _ if !c.is_whitespace() => list.push(c.to_string()),
-            _ => {}
+            TokenTree::Punct(sign) => {
+                match list.last_mut().filter(|_| joined) {
+                    Some(last) if PAIRS.contains(&format!("{last}{sign}").as_str()) => {
+                        last.push(sign.as_char());
+                    }
+                    _ => list.push(sign.to_string()),
+                }
+                joined = sign.spacing() == Spacing::Joint;
+                continue;
+            }
+            TokenTree::Ident(word) => list.push(word.to_string()),
+            TokenTree::Literal(_) => {}
         }
-        glued = !c.is_whitespace();
+        joined = false;
     }
-    list
 }
 
 /// Every path of the code, with the groups of `use a::{b, c::d}` written out.
@@ -235,7 +191,7 @@ fn faults(path: &str, text: &str) -> Vec<String> {
     if lines > LINES_MAX {
         faults.push(format!("{path}: {lines} lines, at most {LINES_MAX}"));
     }
-    let tokens = tokens(&code(text, false));
+    let tokens = tokens(text);
     if tokens.iter().any(|token| token == "unsafe") {
         faults.push(format!("{path}: unsafe"));
     }
@@ -292,46 +248,41 @@ fn feature_faults(path: &str, text: &str) -> Vec<String> {
     faults
 }
 
-/// Line (from 1) and value of every `feature = "value"` in the code.
+/// Line (from 1) and value of every `feature = "value"` outside of comments.
 fn features(text: &str) -> Vec<(usize, String)> {
-    let mut found = Vec::new();
-    for (number, line) in code(text, true).lines().enumerate() {
-        for rest in line.split("feature").skip(1) {
-            if let Some(rest) = rest.trim_start().strip_prefix('=') {
-                found.push((
-                    number + 1,
-                    rest.split('"').nth(1).unwrap_or_default().to_owned(),
-                ));
-            }
-        }
-    }
-    found
+    let numbered = (1..).zip(
+        text.lines()
+            .map(|line| line.split("//").next().unwrap_or("")),
+    );
+    let each = numbered.flat_map(|(number, line)| {
+        let found = line.split("feature").skip(1).filter_map(|rest| {
+            let value = rest.trim_start().strip_prefix('=')?.split('"').nth(1)?;
+            Some(value.to_owned())
+        });
+        found.map(move |value| (number, value))
+    });
+    each.collect()
 }
 
-/// Every Rust file under src, relative to it.
 fn sources() -> Vec<(String, String)> {
     files_under("src")
 }
 
 /// Every Rust file under a folder of the package, relative to it.
-fn files_under(folder: &str) -> Vec<(String, String)> {
-    let src = Path::new(env!("CARGO_MANIFEST_DIR")).join(folder);
-    let mut open: Vec<PathBuf> = vec![src.clone()];
+pub fn files_under(folder: &str) -> Vec<(String, String)> {
+    let root = Path::new(folder);
+    let mut open: Vec<PathBuf> = vec![root.to_owned()];
     let mut files = Vec::new();
-    while let Some(folder) = open.pop() {
-        for entry in fs::read_dir(&folder).unwrap() {
-            let path = entry.unwrap().path();
-            if path.is_dir() {
-                open.push(path);
-            } else if path.extension().is_some_and(|e| e == "rs") {
-                let name = path
-                    .strip_prefix(&src)
+    while let Some(path) = open.pop() {
+        if path.is_dir() {
+            open.extend(
+                fs::read_dir(&path)
                     .unwrap()
-                    .to_str()
-                    .unwrap()
-                    .replace('\\', "/");
-                files.push((name, fs::read_to_string(&path).unwrap()));
-            }
+                    .map(|entry| entry.unwrap().path()),
+            );
+        } else if path.extension().is_some_and(|e| e == "rs") {
+            let name = path.strip_prefix(root).unwrap().to_str().unwrap();
+            files.push((name.replace('\\', "/"), content(&path)));
         }
     }
     files
@@ -361,8 +312,10 @@ fn arrows(files: &[(String, String)]) -> BTreeMap<String, BTreeSet<String>> {
         let module = modules(path);
         let here: Vec<&str> = module.iter().map(String::as_str).collect();
         let Some(from) = unit(&here) else { continue };
-        let text = text.split("#[cfg(test)]").next().unwrap_or_default();
-        for segments in paths(&tokens(&code(text, false))) {
+        let tokens = tokens(text);
+        let test = ["#", "[", "cfg", "(", "test", ")", "]"];
+        let end = tokens.windows(test.len()).position(|them| them == test);
+        for segments in paths(&tokens[..end.unwrap_or(tokens.len())]) {
             let supers = segments.iter().take_while(|s| *s == "super").count();
             let stem = match segments[0].as_str() {
                 "crate" => &here[..0],
@@ -465,7 +418,7 @@ fn only_tests_of_the_window_name_its_crates() {
         "winit",
     ];
     for (path, text) in files_under("tests") {
-        let tokens = tokens(&code(&text, false));
+        let tokens = tokens(&text);
         let whole = "#![cfg(feature = \"gui\")]";
         let of_the_window = path.starts_with("window/") || text.contains(whole);
         let named = crates
@@ -493,42 +446,39 @@ fn no_documentation_shows_code_that_would_have_to_be_run() {
     }
 }
 
-/// The inside of every pair of brackets that follows `word`, a name and anything up to `open`: the
-/// fields of structs, the arguments of functions.
-fn insides(code: &str, word: &str, open: char, close: char) -> Vec<(String, String)> {
-    let mut found = Vec::new();
-    for (at, _) in code.match_indices(word) {
-        let rest = &code[at + word.len()..];
-        let name: String = rest
-            .chars()
-            .take_while(|c| c.is_alphanumeric() || *c == '_')
-            .collect();
-        let Some(start) = rest
-            .find([open, ';'])
-            .filter(|start| rest[*start..].starts_with(open))
-        else {
-            continue;
-        };
-        let mut depth = 0;
-        let inside = rest[start..].chars().take_while(|c| {
-            depth += i32::from(*c == open) - i32::from(*c == close);
-            depth > 0
+/// The inside of the first brackets `open` that follow each `word`, with the name after it, unless a
+/// `;` comes first: the fields of structs, the arguments of functions.
+fn insides<'a>(
+    tokens: &'a [String],
+    word: &str,
+    [open, close]: [&str; 2],
+) -> Vec<(&'a str, &'a [String])> {
+    let of = |at: usize| {
+        let rest = &tokens[at + 1..];
+        let start = rest
+            .iter()
+            .position(|token| token == open || token == ";")?;
+        let inside = (rest[start] == open).then(|| &rest[start + 1..])?;
+        let mut depth = 1;
+        let end = inside.iter().position(|token| {
+            depth += i32::from(token == open) - i32::from(token == close);
+            depth == 0
         });
-        found.push((name, inside.skip(1).collect()));
-    }
-    found
+        Some((rest[0].as_str(), &inside[..end?]))
+    };
+    let words = (0..tokens.len()).filter(|at| tokens[*at] == word);
+    words.filter_map(of).collect()
 }
 
 /// Parts of a list that commas outside all brackets separate.
-fn parts(list: &str) -> usize {
+fn parts(list: &[String]) -> usize {
     let (mut depth, mut parts, mut blank) = (0, 0, true);
-    for c in list.chars() {
-        depth += i32::from("([{<".contains(c)) - i32::from(")]}>".contains(c));
-        if c == ',' && depth == 0 {
-            (parts, blank) = (parts + usize::from(!blank), true);
-        } else {
-            blank &= c.is_whitespace();
-        }
+    for token in list {
+        depth += i32::from(["(", "[", "{", "<"].contains(&token.as_str()));
+        depth -= i32::from([")", "]", "}", ">"].contains(&token.as_str()));
+        let comma = token == "," && depth == 0;
+        parts += usize::from(comma && !blank);
+        blank = comma;
     }
     parts + usize::from(!blank)
 }
@@ -541,13 +491,14 @@ const BOOLS_MAX: usize = 12;
 fn structs_stay_small_and_bool_arguments_few() {
     let mut bools = Vec::new();
     for (path, text) in sources() {
-        let code = code(&text, false).replace("->", "  ").replace("=>", "  ");
-        for (name, fields) in insides(&code, "struct ", '{', '}') {
-            let count = parts(&fields);
+        let tokens = tokens(&text);
+        for (name, fields) in insides(&tokens, "struct", ["{", "}"]) {
+            let count = parts(fields);
             assert!(count <= FIELDS_MAX, "{path}: {name} has {count} fields");
         }
-        for (name, arguments) in insides(&code, "fn ", '(', ')') {
-            let count = arguments.matches(": bool").count();
+        for (name, arguments) in insides(&tokens, "fn", ["(", ")"]) {
+            let bool = |pair: &&[String]| pair[0] == ":" && pair[1] == "bool";
+            let count = arguments.windows(2).filter(bool).count();
             bools.extend(std::iter::repeat_n(format!("{path}: {name}"), count));
         }
     }
@@ -561,16 +512,17 @@ fn structs_stay_small_and_bool_arguments_few() {
 
 #[test]
 fn fields_and_arguments_are_counted_outside_of_brackets() {
-    let code =
-        "struct A<T> { x: Vec<(f64, T)>, y: [u8; 2] } fn f(a: bool, g: fn(u8, u8)) {} struct B;";
-    let inside = |word, open, close| insides(code, word, open, close).swap_remove(0);
-    assert_eq!(
-        inside("struct ", '{', '}'),
-        ("A".to_owned(), " x: Vec<(f64, T)>, y: [u8; 2] ".to_owned())
+    let tokens = tokens(
+        "struct A<T> { x: Vec<(f64, T)>, y: [u8; 2] } fn f(a: bool, g: fn(u8, u8) -> u8,) {} \
+         struct B; fn g() {}",
     );
-    assert_eq!(parts(&inside("struct ", '{', '}').1), 2);
-    assert_eq!(parts(&inside("fn ", '(', ')').1), 2);
-    assert_eq!([parts(""), parts(" a, "), parts("a, b")], [0, 1, 2]);
+    let [a] = insides(&tokens, "struct", ["{", "}"])[..] else {
+        panic!("one struct with fields: {tokens:?}");
+    };
+    assert_eq!((a.0, parts(a.1)), ("A", 2));
+    let functions = insides(&tokens, "fn", ["(", ")"]);
+    let count = |i: usize| (functions[i].0, parts(functions[i].1));
+    assert_eq!([count(0), count(2)], [("f", 2), ("g", 0)]);
 }
 
 #[test]

@@ -1,7 +1,7 @@
 //! Height files of every format through the reader to a loop; and built-in ground that is written to
 //! a file and read back.
 
-use crate::binary::{errors, says, tackscope};
+use crate::binary::{content, done, folder, perform, refuses, says, tackscope};
 use crate::height_formats::*;
 use ndarray::Array2;
 use std::fs;
@@ -58,7 +58,7 @@ fn difference(a: &LoopRun, b: &LoopRun) -> f64 {
 
 #[test]
 fn a_map_of_each_format_comes_to_the_same_heights_and_the_same_loop() {
-    let home = tempfile::tempdir().unwrap();
+    let home = folder();
     let formats: [(&str, Vec<u8>, &str); 11] = [
         ("a.csv", csv(), ""),
         ("gwyddion.txt", gwyddion(), ""),
@@ -124,7 +124,7 @@ fn written_back(name: &str, home: &Path) -> [Scene; 2] {
 
 #[test]
 fn built_in_ground_written_to_a_file_and_read_back_has_the_same_loop() {
-    let home = tempfile::tempdir().unwrap();
+    let home = folder();
     for name in ["rough", "wavy"] {
         let [scene, back] = written_back(name, home.path());
         let [built_in, measured] = [&scene, &back].map(|scene| {
@@ -141,7 +141,7 @@ fn built_in_ground_written_to_a_file_and_read_back_has_the_same_loop() {
 
 #[test]
 fn the_law_of_figure_14_measured_on_a_file_is_that_of_the_ground_it_was_written_from() {
-    let home = tempfile::tempdir().unwrap();
+    let home = folder();
     let cancel = Cancel::default();
     let [own, read] = written_back("rough", home.path()).map(|scene| {
         let entry = GALLERY.iter().find(|entry| entry.number == 14).unwrap();
@@ -177,19 +177,15 @@ fn the_law_of_figure_14_measured_on_a_file_is_that_of_the_ground_it_was_written_
             "fig2: indenter.kind = flat: ground with heights",
         ),
     ] {
-        let out = home.path().join("refused").display().to_string();
-        let refused = tackscope()
-            .args(["figure", figure, "--scene", scene, "--out", &out])
-            .output()
-            .unwrap();
-        assert_eq!(refused.status.code(), Some(2));
-        assert!(errors(&refused).contains(words), "{}", errors(&refused));
+        let out = home.path().join("refused");
+        let refused = perform(&["figure", figure, "--scene", scene], &out);
+        refuses(&refused, &[words]);
     }
 }
 
 #[test]
 fn a_scene_finds_its_file_from_its_own_folder_and_is_written_with_the_path_that_stays() {
-    let home = tempfile::tempdir().unwrap();
+    let home = folder();
     let (inside, other) = (home.path().join("a/maps"), home.path().join("b"));
     fs::create_dir_all(&inside).unwrap();
     fs::create_dir_all(&other).unwrap();
@@ -199,11 +195,7 @@ fn a_scene_finds_its_file_from_its_own_folder_and_is_written_with_the_path_that_
     let scene = scene_file::load(&path).unwrap();
     let again = home.path().join("a/again.toml");
     scene_file::save(&again, &scene).unwrap();
-    assert!(
-        fs::read_to_string(&again)
-            .unwrap()
-            .contains("file = \"maps/m.csv\"")
-    );
+    assert!(content(&again).contains("file = \"maps/m.csv\""));
     assert_eq!(scene_file::load(&again).unwrap(), scene);
     // Elsewhere, and as text for anywhere, the whole path is what still finds it.
     scene_file::save(&other.join("scene.toml"), &scene).unwrap();
@@ -234,7 +226,7 @@ fn refusal(home: &Path, name: &str, bytes: &[u8]) -> String {
 
 #[test]
 fn a_broken_height_file_is_refused_with_the_place_and_what_was_expected() {
-    let home = tempfile::tempdir().unwrap();
+    let home = folder();
     let text = |text: &str| text.as_bytes().to_vec();
     let cut = |mut bytes: Vec<u8>| {
         bytes.truncate(bytes.len() - 9);
@@ -310,7 +302,7 @@ fn a_broken_height_file_is_refused_with_the_place_and_what_was_expected() {
 
 #[test]
 fn what_a_scene_says_wrongly_of_its_map_is_refused_with_key_value_and_remedy() {
-    let home = tempfile::tempdir().unwrap();
+    let home = folder();
     fs::write(home.path().join("m.csv"), csv()).unwrap();
     fs::write(home.path().join("bare.csv"), matrix(",", |h| h.to_string())).unwrap();
     let path = home.path().join("scene.toml");
@@ -336,7 +328,7 @@ fn what_a_scene_says_wrongly_of_its_map_is_refused_with_key_value_and_remedy() {
 
 #[test]
 fn holes_are_filled_and_counted_and_a_profile_runs_on_a_line_cell() {
-    let home = tempfile::tempdir().unwrap();
+    let home = folder();
     let holes = String::from_utf8(csv())
         .unwrap()
         .replacen("0.4,", "nan,", 1);
@@ -384,19 +376,16 @@ fn holes_are_filled_and_counted_and_a_profile_runs_on_a_line_cell() {
 
 /// The numbers that `tackscope ground` writes.
 fn looked_at(what: &str, out: &Path, more: &[&str]) -> serde_json::Value {
-    let mut command = tackscope();
-    command.args(["ground", what, "--out"]).arg(out).args(more);
-    let output = command.output().expect("the binary runs");
-    assert_eq!(output.status.code(), Some(0), "{}", errors(&output));
+    done(&perform(&[&["ground", what], more].concat(), out));
     for name in ["ground.svg", "ground.png", "spectrum.csv", "heights.csv"] {
         assert!(out.join(name).exists(), "{name}");
     }
-    serde_json::from_str(&fs::read_to_string(out.join("ground.json")).unwrap()).unwrap()
+    serde_json::from_str(&content(out.join("ground.json"))).unwrap()
 }
 
 #[test]
 fn the_ground_of_a_scene_is_looked_at_and_what_it_writes_is_a_height_file() {
-    let home = tempfile::tempdir().unwrap();
+    let home = folder();
     let (first, again) = (home.path().join("first"), home.path().join("again"));
     let told = looked_at("rough", &first, &["--points", "32"]);
     let height = told["mesh"]["rms_height_from_area"].as_f64().unwrap();
@@ -407,21 +396,13 @@ fn the_ground_of_a_scene_is_looked_at_and_what_it_writes_is_a_height_file() {
     let before = back["file"]["before"]["rms_height_from_area"].as_f64();
     assert!((before.unwrap() - height).abs() < 1e-12);
     assert_eq!(back["file"]["side"].as_f64(), Some(16.0));
-    let mut flat = tackscope();
-    flat.args(["ground", "fig2", "--out"])
-        .arg(home.path().join("flat"));
-    let output = flat.output().expect("the binary runs");
-    assert_eq!(output.status.code(), Some(2));
-    assert!(
-        errors(&output).contains("indenter.kind"),
-        "{}",
-        errors(&output)
-    );
+    let flat = perform(&["ground", "fig2"], &home.path().join("flat"));
+    refuses(&flat, &["indenter.kind"]);
 }
 
 #[test]
 fn a_scene_from_standard_input_finds_its_file_from_the_working_folder() {
-    let home = tempfile::tempdir().unwrap();
+    let home = folder();
     fs::write(home.path().join("m.csv"), csv()).unwrap();
     fs::write(home.path().join("scene.toml"), scene_text("m.csv", "")).unwrap();
     let scene = fs::File::open(home.path().join("scene.toml")).unwrap();
@@ -431,8 +412,7 @@ fn a_scene_from_standard_input_finds_its_file_from_the_working_folder() {
         .current_dir(home.path())
         .stdin(scene);
     let output = command.output().expect("the binary runs");
-    assert_eq!(output.status.code(), Some(0), "{}", errors(&output));
-    let printed = String::from_utf8(output.stdout).unwrap();
+    let printed = done(&output);
     let path = fs::canonicalize(home.path()).unwrap().join("m.csv");
     assert!(
         printed.contains(&format!("file = \"{}\"", path.display())),

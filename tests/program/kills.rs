@@ -7,7 +7,7 @@
 //! And requests from outside to end: what is computed is written, whoever asks and however often.
 #![cfg(unix)]
 
-use crate::binary::{Running, fig2_with, folder, says, summary, tackscope};
+use crate::binary::{Running, content, fig2_with, folder, says, summary, tackscope};
 use rand::{Rng, SeedableRng};
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
@@ -60,7 +60,7 @@ fn run_in_title(title: &str) -> usize {
 
 /// Rows of a table, each with as many cells as its heading.
 fn rows(path: &Path) -> Vec<Vec<String>> {
-    let text = fs::read_to_string(path).expect("text");
+    let text = content(path);
     assert!(text.ends_with('\n'), "{} is torn", path.display());
     let mut lines = text
         .lines()
@@ -172,7 +172,7 @@ fn look(folder: &Path, killed: bool) -> (Standing, Option<usize>) {
         assert!(killed || !jumps.exists());
     }
     if svg.exists() {
-        let text = fs::read_to_string(&svg).expect("text");
+        let text = content(&svg);
         assert!(text.trim_end().ends_with("</svg>"), "loop.svg is torn");
         runs.insert(run_in_title(&text));
     }
@@ -299,7 +299,7 @@ fn every_request_to_end_writes_what_there_is_even_when_it_comes_twice() {
         assert_eq!(summary["dissipated_energy"], "not available");
         let states = summary["counts"]["states"].as_u64().expect("a count") as usize;
         assert!(states > 0);
-        let written = |name: &str| fs::read_to_string(out.join(name)).expect(name);
+        let written = |name: &str| content(out.join(name));
         assert_eq!(written("loop.csv").lines().count(), states + 1);
         assert!(written("loop.svg").contains("Loop not closed"));
         assert!(out.join("events.csv").exists() && out.join("loop.png").exists());
@@ -384,7 +384,7 @@ fn a_chart_that_is_asked_to_end_keeps_what_it_has_measured() {
         let (code, told) = running.end();
         assert_eq!(code, Some(130), "{told}");
         says(&told, &["interrupted; what was measured is in"]);
-        let written = |name: &str| fs::read_to_string(home.path().join(name)).expect(name);
+        let written = |name: &str| content(home.path().join(name));
         let short: serde_json::Value = serde_json::from_str(&written("chart.json")).expect("JSON");
         assert_eq!(short["completed"], false);
         assert!(written("chart.csv").starts_with(CHART_COLUMNS));

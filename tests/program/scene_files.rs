@@ -1,7 +1,7 @@
 //! Scene files: what is read, what is refused and how, and that no text whatever makes the reader
 //! panic.
 
-use crate::binary::says;
+use crate::binary::{content, says, text_with};
 use proptest::prelude::*;
 use tackscope::physics::body::{Body, Layer};
 use tackscope::physics::control::Control;
@@ -10,7 +10,7 @@ use tackscope::physics::law::{Cosine, DoubleExponential, Mie, Morse, Shape};
 use tackscope::physics::parameter::{Parameter, Value};
 use tackscope::scene::{Cell, Drive, LawChoice, Points, Range, Scene, Turn};
 use tackscope::scene::{edit, parameter};
-use tackscope::storage::{presets, scene_file};
+use tackscope::storage::{Failure, presets, scene_file};
 
 const NAME: &str = "my scene.toml";
 
@@ -18,15 +18,31 @@ fn fig2() -> &'static str {
     presets::find("fig2").expect("fig2 is built in").text
 }
 
+/// Why a text is refused.
+#[track_caller]
+fn why(text: &str) -> String {
+    let refused = scene_file::parse(text, NAME).expect_err("refused");
+    refused.to_string()
+}
+
+/// What the text of a scene says.
+fn again(scene: &Scene) -> Result<Scene, Failure> {
+    scene_file::parse(&scene_file::to_text(scene), NAME)
+}
+
 /// Fig. 2 with one line replaced, and why it is refused.
 fn refusal(line: &str, replacement: &str) -> String {
-    let text = fig2();
-    assert!(text.contains(line), "fig2 has the line {line}");
-    let failure =
-        scene_file::parse(&text.replacen(line, replacement, 1), NAME).expect_err("refused");
-    let sentence = failure.to_string();
+    let sentence = why(&text_with("fig2", &[(line, replacement)]));
     assert!(sentence.starts_with(NAME), "{sentence}");
     sentence
+}
+
+/// A line of Fig. 2, what it is replaced by, and parts of the sentence that refuses it.
+#[track_caller]
+fn refused(cases: &[(&str, &str, &[&str])]) {
+    for (line, replacement, parts) in cases {
+        says(&refusal(line, replacement), parts);
+    }
 }
 
 #[test]
@@ -80,10 +96,7 @@ fn every_preset_is_an_allowed_scene_and_says_what_to_look_for() {
             let shares = points.iter().flatten();
             assert!(shares.copied().all(|share| (0.0..=1.0).contains(&share)));
         }
-        assert_eq!(
-            scene_file::parse(&scene_file::to_text(&scene), NAME),
-            Ok(scene)
-        );
+        assert_eq!(again(&scene), Ok(scene));
     }
 }
 
@@ -117,91 +130,109 @@ fn what_may_be_left_out_has_its_default() {
 
 #[test]
 fn an_unknown_key_is_refused_with_the_allowed_ones_and_a_guess() {
-    says(
-        &refusal("length = 256.0", "lenght = 256.0"),
-        &["cell.lenght", "did you mean length", "length, points"],
-    );
-    says(
-        &refusal("[noise]", "[nose]"),
-        &["nose", "did you mean noise", "cell, body, law, indenter"],
-    );
-    says(
-        &refusal("range = 1.0", "range = 1.0\nm = 8.0"),
-        &["law.m", "kind, surface_energy, range, mu_rho"],
-    );
-    says(
-        &refusal("kind = \"flat\"", "kind = \"flat\"\nradius = 1.0"),
-        &["indenter.radius"],
-    );
+    refused(&[
+        (
+            "length = 256.0",
+            "lenght = 256.0",
+            &["cell.lenght", "did you mean length", "length, points"],
+        ),
+        (
+            "[noise]",
+            "[nose]",
+            &["nose", "did you mean noise", "cell, body, law, indenter"],
+        ),
+        (
+            "range = 1.0",
+            "range = 1.0\nm = 8.0",
+            &["law.m", "kind, surface_energy, range, mu_rho"],
+        ),
+        (
+            "kind = \"flat\"",
+            "kind = \"flat\"\nradius = 1.0",
+            &["indenter.radius"],
+        ),
+    ]);
 }
 
 #[test]
 fn a_wrong_type_is_refused_with_key_value_and_what_is_allowed() {
+    refused(&[
+        (
+            "length = 256.0",
+            "length = \"long\"",
+            &[
+                "cell.length = \"long\"",
+                "allowed is a finite number above 0",
+                "from 1e-110 to 1e110",
+            ],
+        ),
+        ("title = ", "title = 3 #", &["title = 3", "text"]),
+    ]);
     says(
-        &refusal("length = 256.0", "length = \"long\""),
-        &[
-            "cell.length = \"long\"",
-            "allowed is a finite number above 0",
-            "from 1e-110 to 1e110",
-        ],
-    );
-    says(&refusal("title = ", "title = 3 #"), &["title = 3", "text"]);
-    let failure = scene_file::parse("format = 1\ncell = 3\n", NAME).expect_err("no table");
-    says(
-        &failure.to_string(),
+        &why("format = 1\ncell = 3\n"),
         &["cell = 3", "allowed is a table, [cell]"],
     );
-    says(
-        &refusal("seed = 1", "seed = -1"),
-        &["noise.seed = -1", "whole number from 0"],
-    );
-    says(
-        &refusal("kind = \"morse\"", "kind = \"cosine\"\nsmooth = 1"),
-        &["law.smooth = 1", "true or false"],
-    );
-    says(
-        &refusal("turn = 0.2", "turn = \"zero\""),
-        &["drive.turn = \"zero\"", "zero_load"],
-    );
+    refused(&[
+        (
+            "seed = 1",
+            "seed = -1",
+            &["noise.seed = -1", "whole number from 0"],
+        ),
+        (
+            "kind = \"morse\"",
+            "kind = \"cosine\"\nsmooth = 1",
+            &["law.smooth = 1", "true or false"],
+        ),
+        (
+            "turn = 0.2",
+            "turn = \"zero\"",
+            &["drive.turn = \"zero\"", "zero_load"],
+        ),
+    ]);
 }
 
 #[test]
 fn a_missing_key_or_table_is_named() {
+    refused(&[
+        (
+            "length = 256.0",
+            "",
+            &["cell.length is missing", "finite number above 0"],
+        ),
+        ("[drive]", "[noise2]", &["noise2"]),
+        ("format = 1", "", &["format is missing", "format = 1"]),
+    ]);
     says(
-        &refusal("length = 256.0", ""),
-        &["cell.length is missing", "finite number above 0"],
-    );
-    says(&refusal("[drive]", "[noise2]"), &["noise2"]);
-    says(
-        &refusal("format = 1", ""),
-        &["format is missing", "format = 1"],
-    );
-    let failure = scene_file::parse("format = 1\n", NAME).expect_err("no tables");
-    says(
-        &failure.to_string(),
+        &why("format = 1\n"),
         &[NAME, "[cell] is missing", "length and points"],
     );
 }
 
 #[test]
 fn numbers_that_are_not_finite_or_out_of_range_are_refused() {
-    says(
-        &refusal("length = 256.0", "length = nan"),
-        &["cell.length = nan", "finite number above 0"],
-    );
-    says(&refusal("step = 0.02", "step = inf"), &["drive.step = inf"]);
-    says(
-        &refusal("range = 1.0", "range = -1.0"),
-        &["law.range = -1", "above 0"],
-    );
-    says(
-        &refusal("target = 0.01", "target = 2"),
-        &["accuracy.target = 2", "below 1"],
-    );
-    says(
-        &refusal("turn = 0.2", "turn = 5"),
-        &["drive.turn = 5", "below drive.start = 4.2"],
-    );
+    refused(&[
+        (
+            "length = 256.0",
+            "length = nan",
+            &["cell.length = nan", "finite number above 0"],
+        ),
+        ("step = 0.02", "step = inf", &["drive.step = inf"]),
+        (
+            "range = 1.0",
+            "range = -1.0",
+            &["law.range = -1", "above 0"],
+        ),
+        (
+            "target = 0.01",
+            "target = 2",
+            &["accuracy.target = 2", "below 1"],
+        ),
+        (
+            "turn = 0.2",
+            "turn = 5",
+            &["drive.turn = 5", "below drive.start = 4.2"],
+        ),
+    ]);
     for n in [
         "63",
         "0",
@@ -234,29 +265,25 @@ fn a_law_has_its_own_keys_and_limits() {
     };
     says(&mie(2, 2), &["law.m = 2", "above law.n = 2"]);
     says(&mie(2, 8), &["law.m = 2", "above law.n = 8"]);
-    says(
-        &refusal("kind = \"morse\"", "kind = \"mie\""),
-        &["law.m is missing"],
-    );
-    says(
-        &refusal(
+    refused(&[
+        ("kind = \"morse\"", "kind = \"mie\"", &["law.m is missing"]),
+        (
             "kind = \"morse\"",
             "kind = \"double_exponential\"\nratio = 1.0",
+            &["law.ratio = 1", "below 1"],
         ),
-        &["law.ratio = 1", "below 1"],
-    );
-    says(
-        &refusal("kind = \"morse\"", "kind = \"mores\""),
-        &["law.kind = \"mores\"", "\"mie\"", "did you mean morse"],
-    );
-    says(
-        &refusal("range = 1.0", "range = 1.0\nmu_rho = 0.5"),
-        &["law.mu_rho = 0.5", "not together with law.range"],
-    );
-    says(
-        &refusal("range = 1.0", ""),
-        &["law.range is missing", "mu_rho"],
-    );
+        (
+            "kind = \"morse\"",
+            "kind = \"mores\"",
+            &["law.kind = \"mores\"", "\"mie\"", "did you mean morse"],
+        ),
+        (
+            "range = 1.0",
+            "range = 1.0\nmu_rho = 0.5",
+            &["law.mu_rho = 0.5", "not together with law.range"],
+        ),
+        ("range = 1.0", "", &["law.range is missing", "mu_rho"]),
+    ]);
 }
 
 const ROUGH: &str =
@@ -403,42 +430,44 @@ fn an_indenter_has_its_own_keys_and_limits() {
         &refusal("kind = \"flat\"", "kind = \"ruff\""),
         &["indenter.kind = \"ruff\"", "\"wave\"", "\"rough\""],
     );
-    let line = fig2().replacen("points = 64", "points = [64, 1]", 1);
-    let line = line.replacen(
-        "kind = \"flat\"",
-        "kind = \"wave\"\namplitude = 0.5\nperiods = [1, 1]",
-        1,
+    let line = text_with(
+        "fig2",
+        &[
+            ("points = 64", "points = [64, 1]"),
+            (
+                "kind = \"flat\"",
+                "kind = \"wave\"\namplitude = 0.5\nperiods = [1, 1]",
+            ),
+        ],
     );
     says(
-        &scene_file::parse(&line, NAME)
-            .expect_err("refused")
-            .to_string(),
+        &why(&line),
         &["indenter.periods = [1, 1]", "along x alone on a line cell"],
     );
 }
 
 #[test]
 fn another_format_is_refused_before_anything_else() {
-    says(
-        &refusal("format = 1", "format = 2\nnew = true"),
-        &["format = 2", "allowed is 1"],
-    );
-    says(
-        &refusal("format = 1", "format = \"1\""),
-        &["format = \"1\""],
-    );
+    refused(&[
+        (
+            "format = 1",
+            "format = 2\nnew = true",
+            &["format = 2", "allowed is 1"],
+        ),
+        ("format = 1", "format = \"1\"", &["format = \"1\""]),
+    ]);
 }
 
 #[test]
 fn a_syntax_error_names_line_and_column() {
-    says(
-        &refusal("length = 256.0", "length = = 3"),
-        &["line 9", "column 10", "not TOML"],
-    );
-    says(
-        &refusal("points = 64", "length = 256.0"),
-        &["line 10", "duplicate"],
-    );
+    refused(&[
+        (
+            "length = 256.0",
+            "length = = 3",
+            &["line 9", "column 10", "not TOML"],
+        ),
+        ("points = 64", "length = 256.0", &["line 10", "duplicate"]),
+    ]);
 }
 
 #[test]
@@ -644,10 +673,7 @@ fn mutated() -> impl Strategy<Value = String> {
 /// come back the same.
 fn parses_or_says_why(text: &str) -> Result<(), TestCaseError> {
     match scene_file::parse(text, NAME) {
-        Ok(scene) => prop_assert_eq!(
-            scene_file::parse(&scene_file::to_text(&scene), NAME),
-            Ok(scene)
-        ),
+        Ok(scene) => prop_assert_eq!(again(&scene), Ok(scene)),
         Err(failure) => {
             let sentence = failure.to_string();
             prop_assert!(sentence.starts_with(NAME), "{}", sentence);
@@ -667,7 +693,7 @@ proptest! {
     #[test]
     fn an_allowed_scene_comes_back_from_its_text(scene in scenes()) {
         prop_assume!(scene.validate().is_ok());
-        prop_assert_eq!(scene_file::parse(&scene_file::to_text(&scene), NAME), Ok(scene));
+        prop_assert_eq!(again(&scene), Ok(scene));
     }
 
     #[test]
@@ -691,7 +717,7 @@ const GUIDE: &str = "assets/guide/scene-files.md";
 
 #[test]
 fn the_guide_lists_every_number_with_its_range_as_the_program_knows_it() {
-    let page = std::fs::read_to_string(GUIDE).expect("the page is there");
+    let page = content(GUIDE);
     let row = |parameter: &Parameter| {
         let default = parameter.default.map(|value| value.to_string());
         let default = default.unwrap_or_else(|| "must be given".to_owned());
@@ -704,7 +730,7 @@ fn the_guide_lists_every_number_with_its_range_as_the_program_knows_it() {
         "| key | name | unit | where the file says nothing | allowed |\n|---|---|---|---|---|\n{rows}"
     );
     assert!(page.contains(&table), "{GUIDE} should contain:\n\n{table}");
-    let readme = std::fs::read_to_string("README.md").expect("the README is there");
+    let readme = content("README.md");
     assert!(readme.contains(GUIDE), "the README links {GUIDE}");
 }
 
@@ -714,69 +740,37 @@ const MEASURED: &str = "kind = \"measured\"\nfile = \"tests/data/heights.csv\"\n
 
 /// A scene that gives the number `parameter`, and the text in its file that is the number.
 fn giving(parameter: &Parameter) -> (String, String) {
-    let (mut text, mut line) = (fig2().to_owned(), format!("{} = ", parameter.name()));
-    let replaced = |text: String, from: &str, to: &str| text.replacen(from, to, 1);
-    match parameter.key {
-        "law.mu_rho" => text = replaced(text, "range = 1.0", "mu_rho = 0.5"),
-        "law.m" | "law.n" => {
-            text = replaced(text, "kind = \"morse\"", "kind = \"mie\"\nm = 8.0\nn = 2.0");
-        }
-        "law.smooth" => {
-            text = replaced(
-                text,
-                "kind = \"morse\"",
-                "kind = \"cosine\"\nsmooth = false",
-            );
-        }
-        "drive.stiffness" => {
-            text = replaced(
-                text,
-                "[drive]",
-                "[drive]\ncontrol = \"spring\"\nstiffness = 0.1",
-            );
-        }
-        "law.ratio" => {
-            text = replaced(
-                text,
-                "kind = \"morse\"",
-                "kind = \"double_exponential\"\nratio = 0.4",
-            );
-        }
-        "indenter.radius" => {
-            text = replaced(text, "kind = \"flat\"", "kind = \"hertz\"\nradius = 30.0");
-        }
+    let (law, ground) = ("kind = \"morse\"", "kind = \"flat\"");
+    let [old, new] = match parameter.key {
+        "law.mu_rho" => ["range = 1.0", "mu_rho = 0.5"],
+        "law.m" | "law.n" => [law, "kind = \"mie\"\nm = 8.0\nn = 2.0"],
+        "law.smooth" => [law, "kind = \"cosine\"\nsmooth = false"],
+        "law.ratio" => [law, "kind = \"double_exponential\"\nratio = 0.4"],
+        "drive.stiffness" => ["[drive]", "[drive]\ncontrol = \"spring\"\nstiffness = 0.1"],
+        "indenter.radius" => [ground, "kind = \"hertz\"\nradius = 30.0"],
         "indenter.amplitude" | "indenter.periods" => {
-            text = replaced(
-                text,
-                "kind = \"flat\"",
-                "kind = \"wave\"\namplitude = 0.5\nperiods = 1",
-            );
+            [ground, "kind = \"wave\"\namplitude = 0.5\nperiods = 1"]
         }
-        "indenter.seed" => {
-            text = replaced(text, "kind = \"flat\"", ROUGH);
-            line = "seed = 3".to_owned();
-        }
-        "body.contact_modulus" | "units.temperature" => {
-            text = replaced(
-                text,
-                "[law]",
-                "[body]\nkind = \"half_space\"\ncontact_modulus = 2.0\n\n[law]",
-            );
-            text += "\n[units]\nlength = \"um\"\nmodulus = \"MPa\"\ntemperature = 300.0\n";
-        }
-        "body.thickness" | "body.poisson" => {
-            text = replaced(
-                text,
-                "[law]",
-                "[body]\nkind = \"layer\"\nthickness = 32.0\npoisson = 0.4\n\n[law]",
-            );
-        }
-        key if key.starts_with("indenter") && parameter.default.is_some() => {
-            text = replaced(text, "kind = \"flat\"", MEASURED);
-        }
-        key if key.starts_with("indenter") => text = replaced(text, "kind = \"flat\"", ROUGH),
-        _ => {}
-    }
+        "body.contact_modulus" | "units.temperature" => [
+            "[law]",
+            "[units]\nlength = \"um\"\nmodulus = \"MPa\"\ntemperature = 300.0\n\n\
+             [body]\nkind = \"half_space\"\ncontact_modulus = 2.0\n\n[law]",
+        ],
+        "body.thickness" | "body.poisson" => [
+            "[law]",
+            "[body]\nkind = \"layer\"\nthickness = 32.0\npoisson = 0.4\n\n[law]",
+        ],
+        "indenter.seed" => [ground, ROUGH],
+        key if key.starts_with("indenter") && parameter.default.is_some() => [ground, MEASURED],
+        key if key.starts_with("indenter") => [ground, ROUGH],
+        _ => [""; 2],
+    };
+    let text = text_with("fig2", &[(old, new)]);
+    // Fig. 2 has a seed of its own.
+    let line = match parameter.key {
+        "indenter.seed" => "seed = 3".to_owned(),
+        _ => format!("{} = ", parameter.name()),
+    };
     let at = text
         .find(&format!("\n{line}"))
         .unwrap_or_else(|| panic!("{line} is in the file"))
@@ -920,15 +914,14 @@ fn the_unit_of_length_may_be_anything_from_tiny_to_huge() {
 #[test]
 fn more_waves_than_a_mesh_can_have_are_the_waves_fault_and_not_the_ranges() {
     let wave = |periods: &str| {
-        let text = fig2().replacen("points = 64", "points = \"auto\"", 1);
-        let text = text.replacen(
-            "kind = \"flat\"",
-            &format!("kind = \"wave\"\namplitude = 0.5\nperiods = {periods}"),
-            1,
-        );
-        scene_file::parse(&text, NAME)
-            .expect_err("refused")
-            .to_string()
+        let wave = format!("kind = \"wave\"\namplitude = 0.5\nperiods = {periods}");
+        why(&text_with(
+            "fig2",
+            &[
+                ("points = 64", "points = \"auto\""),
+                ("kind = \"flat\"", &wave),
+            ],
+        ))
     };
     for periods in ["1000000000", "4611686018427387904", "[1, 600]", "513"] {
         says(&wave(periods), &["indenter.periods"]);
@@ -937,20 +930,16 @@ fn more_waves_than_a_mesh_can_have_are_the_waves_fault_and_not_the_ranges() {
 
 #[test]
 fn a_step_that_moves_nothing_is_refused() {
-    let tip = "kind = \"hertz\"\nradius = 30.0";
-    let text = fig2().replacen("kind = \"flat\"", tip, 1).replacen(
-        "turn = 0.2",
-        "turn = \"zero_load\"",
-        1,
-    );
     for step in ["1e-18", "1e-8", "1e-7"] {
-        let sentence = scene_file::parse(
-            &text.replacen("step = 0.02", &format!("step = {step}"), 1),
-            NAME,
-        )
-        .expect_err(step)
-        .to_string();
-        says(&sentence, &["drive.step = 1e-", "at least"]);
+        let text = text_with(
+            "fig2",
+            &[
+                ("kind = \"flat\"", "kind = \"hertz\"\nradius = 30.0"),
+                ("turn = 0.2", "turn = \"zero_load\""),
+                ("step = 0.02", &format!("step = {step}")),
+            ],
+        );
+        says(&why(&text), &["drive.step = 1e-", "at least"]);
     }
     says(
         &refusal(

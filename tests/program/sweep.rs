@@ -3,11 +3,13 @@
 //!
 //! `TACKSCOPE_KILLS` says how often a sweep is killed (6 times if not given).
 
-use crate::binary::{Running, errors, folder, says, tackscope};
+use crate::binary::{
+    Running, command, content, done, errors, fig2_with, folder, perform, refuses, run, said, says,
+};
 use rand::{Rng, SeedableRng};
 use std::fs;
 use std::path::Path;
-use std::process::{Command, Output};
+use std::process::Output;
 use std::thread::sleep;
 use std::time::{Duration, Instant};
 use tackscope::storage::{scene_file, study_file};
@@ -39,18 +41,16 @@ fn write(home: &Path, text: &str) -> String {
     path.display().to_string()
 }
 
-fn command(study: &str, out: &Path, more: &[&str]) -> Command {
-    let mut command = tackscope();
-    command.args(["sweep", study, "--out"]).arg(out).args(more);
-    command
+fn going(study: &str, out: &Path, more: &[&str]) -> Running {
+    Running::spawn(command(&[&["sweep", study], more].concat(), out))
 }
 
 fn sweep(study: &str, out: &Path, more: &[&str]) -> Output {
-    command(study, out, more).output().expect("the binary runs")
+    perform(&[&["sweep", study], more].concat(), out)
 }
 
 fn rows(folder: &Path) -> String {
-    fs::read_to_string(folder.join("sweep.csv")).expect("sweep.csv")
+    content(folder.join("sweep.csv"))
 }
 
 /// Whole lines below the heading.
@@ -75,7 +75,7 @@ fn a_sweep_that_is_killed_again_and_again_is_row_by_row_the_one_that_is_not() {
     let mut chance = rand_pcg::Pcg64::seed_from_u64(kills as u64);
     let (mut done, mut before) = (0, 0);
     for _ in 0..kills {
-        let mut going = Running::spawn(command(&study, &killed, &["--quiet"]));
+        let mut going = going(&study, &killed, &["--quiet"]);
         sleep(takes.mul_f64(chance.random_range(0.03..0.22)));
         if going.is_going() {
             going.signal("KILL");
@@ -97,7 +97,7 @@ fn a_request_to_stop_keeps_the_rows_and_the_same_command_goes_on() {
     let home = folder();
     let study = write(home.path(), STUDY);
     let [out, whole] = ["out", "whole"].map(|name| home.path().join(name));
-    let going = Running::spawn(command(&study, &out, &[]));
+    let going = going(&study, &out, &[]);
     let began = Instant::now();
     while count(&out) < 4 && began.elapsed() < Duration::from_secs(60) {
         sleep(Duration::from_millis(5));
@@ -125,8 +125,7 @@ fn shards_side_by_side_are_collected_into_the_table_of_one_sweep() {
     let study = write(home.path(), STUDY);
     let [whole, shared] = ["whole", "shared"].map(|name| home.path().join(name));
     sweep(&study, &whole, &["--quiet"]);
-    let shard =
-        |name: &str| Running::spawn(command(&study, &shared, &["--quiet", "--shard", name]));
+    let shard = |name: &str| going(&study, &shared, &["--quiet", "--shard", name]);
     let both = [shard("1/3"), shard("3/3")];
     for going in both {
         let (code, told) = going.end();
@@ -145,8 +144,7 @@ fn shards_side_by_side_are_collected_into_the_table_of_one_sweep() {
     assert_eq!(rows(&shared), rows(&whole));
     // Another number of shards finds everything done.
     let again = sweep(&study, &shared, &["--shard", "1/2"]);
-    let said = String::from_utf8(again.stdout).expect("UTF-8");
-    assert!(said.contains("6 loops, 0 of them now"), "{said}");
+    says(&said(&again), &["6 loops, 0 of them now"]);
 }
 
 #[test]
@@ -175,8 +173,7 @@ fn the_same_scene_is_computed_once_and_has_a_row_each_time() {
     let study = write(home.path(), STUDY);
     let out = home.path().join("out");
     let output = sweep(&study, &out, &[]);
-    let said = String::from_utf8(output.stdout).expect("UTF-8");
-    assert!(said.contains("14 loops, 12 of them now"), "{said}");
+    says(&said(&output), &["14 loops, 12 of them now"]);
     let text = rows(&out);
     let after = |row: usize| {
         text.lines()
@@ -189,8 +186,7 @@ fn the_same_scene_is_computed_once_and_has_a_row_each_time() {
     assert_eq!(after(3), after(9));
     assert_ne!(after(3), after(4));
     let again = sweep(&study, &out, &[]);
-    let said = String::from_utf8(again.stdout).expect("UTF-8");
-    assert!(said.contains("14 loops, 0 of them now"), "{said}");
+    says(&said(&again), &["14 loops, 0 of them now"]);
     assert_eq!(rows(&out), text);
 }
 
@@ -202,16 +198,17 @@ fn rows_of_other_scenes_are_left_out_and_another_study_is_refused() {
     sweep(&write(home.path(), &short), &out, &["--quiet"]);
     let shorter = short.replace("[1.2, 1.3]", "[1.3, 1.4]");
     let output = sweep(&write(home.path(), &shorter), &out, &[]);
-    assert!(
-        errors(&output).contains("2 rows of sweep.csv are of other scenes"),
-        "{}",
-        errors(&output)
+    says(
+        &errors(&output),
+        &["2 rows of sweep.csv are of other scenes"],
     );
     assert_eq!(count(&out), 4);
     let other = shorter.replace("\"jumps\", ", "");
     let output = sweep(&write(home.path(), &other), &out, &[]);
-    assert_eq!(output.status.code(), Some(2));
-    assert!(errors(&output).contains("a study of other numbers, or with other columns"));
+    refuses(
+        &output,
+        &["a study of other numbers, or with other columns"],
+    );
 }
 
 /// What `summary.json` has under a name, as it is written: parsers of JSON lose the last bit.
@@ -267,9 +264,9 @@ fn a_row_is_the_summary_of_a_run_of_the_same_scene() {
             let decided = point.scene.as_ref().expect("a scene");
             fs::write(&scene, scene_file::to_text(decided)).expect("written");
             let out = home.path().join("run");
-            let ran = crate::binary::run(&scene.display().to_string(), &out, &["--quiet"]);
-            assert_eq!(ran.status.code(), Some(0), "{}", errors(&ran));
-            let told = fs::read_to_string(out.join("summary.json")).expect("summary.json");
+            let ran = run(&scene.display().to_string(), &out, &["--quiet"]);
+            done(&ran);
+            let told = content(out.join("summary.json"));
             for (name, cell) in NAMES.iter().zip(&row.cells) {
                 same(cell, written(&told, name), name);
             }
@@ -359,10 +356,7 @@ fn what_is_no_study_is_refused_in_words() {
         assert!(STUDY.contains(line), "{line}");
         let study = write(home.path(), &STUDY.replacen(line, replacement, 1));
         let output = sweep(&study, &out, &[]);
-        let words = errors(&output);
-        assert_eq!(output.status.code(), Some(2), "{replacement}: {words}");
-        assert_eq!(words.lines().count(), 1, "{words}");
-        says(&words, parts);
+        refuses(&output, parts);
         assert!(!out.exists(), "nothing is written for {replacement}");
     }
 }
@@ -382,7 +376,7 @@ fn an_option_that_means_nothing_is_refused_in_words() {
     ] {
         let output = sweep(&study, &out, &more);
         assert_eq!(output.status.code(), Some(2));
-        assert!(errors(&output).contains(part), "{}", errors(&output));
+        says(&errors(&output), &[part]);
     }
 }
 
@@ -390,15 +384,14 @@ fn an_option_that_means_nothing_is_refused_in_words() {
 fn a_convergence_study_of_a_preset_says_order_limit_and_error_bar() {
     let home = folder();
     let out = home.path().join("out");
-    let (scene, _kept) = crate::binary::fig2_with(&[
+    let (scene, _kept) = fig2_with(&[
         ("points = 64", "points = 32"),
         ("step = 0.02", "step = 0.2"),
     ]);
     let output = sweep(&scene, &out, &["--converge", "points"]);
-    let words = errors(&output);
-    assert_eq!(output.status.code(), Some(0), "{words}");
-    assert!(words.contains("dissipated_energy: 0.1174"), "{words}");
-    let text = fs::read_to_string(out.join("convergence.csv")).expect("convergence.csv");
+    done(&output);
+    says(&errors(&output), &["dissipated_energy: 0.1174"]);
+    let text = content(out.join("convergence.csv"));
     assert!(
         text.starts_with("quantity,points,value,order,limit,error_bar\n"),
         "{text}"
@@ -408,9 +401,7 @@ fn a_convergence_study_of_a_preset_says_order_limit_and_error_bar() {
 
 #[test]
 fn the_guide_lists_every_column() {
-    let guide =
-        fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("assets/guide/studies.md"));
-    let guide = guide.expect("the guide");
+    let guide = content("assets/guide/studies.md");
     let rows = COLUMNS.iter();
     let rows = rows.map(|column| format!("| `{}` | {} |\n", column.name, column.what));
     let table = format!("| column | is |\n|---|---|\n{}", rows.collect::<String>());

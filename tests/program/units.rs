@@ -1,7 +1,9 @@
 //! Scenes with units: what their numbers mean, what is written of them, what is refused; and that
 //! scenes without know nothing of it.
 
-use crate::binary::{errors, folder, run, says, summary, tackscope};
+use crate::binary::{
+    content, done, errors, folder, perform, run, says, summary, tackscope, text_with,
+};
 use proptest::prelude::*;
 use std::fs;
 use std::path::Path;
@@ -14,11 +16,7 @@ use tackscope::storage::{presets, scene_file};
 
 /// The preset with these texts replaced.
 fn rubber(replaced: &[(&str, &str)]) -> String {
-    let text = presets::find("rubber").expect("built in").text.to_owned();
-    replaced.iter().fold(text, |text, (old, new)| {
-        assert!(text.contains(old), "the preset has {old}");
-        text.replacen(old, new, 1)
-    })
+    text_with("rubber", replaced)
 }
 
 fn parsed(text: &str) -> Scene {
@@ -307,7 +305,7 @@ proptest! {
         let scene = parsed(&text);
         let written = scene_file::to_text(&scene);
         prop_assert_eq!(&parsed(&written), &scene);
-        // What it says is what was said, to the digits that tell doubles apart.
+        // What it says is what was to the digits that tell doubles apart.
         let table: toml::Table = written.parse().unwrap();
         let back = table["law"]["surface_energy"].as_float().unwrap();
         prop_assert!((back / gamma - 1.0).abs() < 4.0 * f64::EPSILON, "{back} of {gamma}");
@@ -337,9 +335,8 @@ fn tables(home: &Path, name: &str, text: &str) -> (Vec<Vec<String>>, serde_json:
     fs::write(&path, text).unwrap();
     let out = home.join(name);
     let more = ["--points", "32", "--quiet"];
-    let output = run(&path.display().to_string(), &out, &more);
-    assert_eq!(output.status.code(), Some(0), "{}", errors(&output));
-    let rows = fs::read_to_string(out.join("loop.csv")).unwrap();
+    done(&run(&path.display().to_string(), &out, &more));
+    let rows = content(out.join("loop.csv"));
     // A name with a comma is in quotes, and stands before what is compared from the right.
     let rows = rows
         .lines()
@@ -393,9 +390,8 @@ fn the_scene_is_printed_for_programs_and_whether_it_is_real_for_people() {
         ("fig2", "Largest strain: sigma_max/E* = 0.0750; holds"),
     ] {
         let output = tackscope().args(["scene", name]).output().unwrap();
-        assert_eq!(output.status.code(), Some(0));
-        assert!(errors(&output).contains(real), "{}", errors(&output));
-        let printed = String::from_utf8(output.stdout).unwrap();
+        let printed = done(&output);
+        says(&errors(&output), &[real]);
         let scene = presets::resolve(name).unwrap();
         assert_eq!(parsed(&printed), scene, "all of it was decided");
         assert_eq!(printed.contains("[units]"), name == "rubber");
@@ -411,14 +407,10 @@ fn barriers_have_kt_where_there_are_units_and_no_column_more_where_not() {
             home.path().join(format!("{name}-out")),
         );
         fs::write(&path, text).unwrap();
-        let mut command = tackscope();
-        command.arg("diagram").arg(&path).arg("--out").arg(&out);
-        let output = command
-            .args(["--points", "32", "--barriers", "2", "--quiet"])
-            .output();
-        let output = output.unwrap();
-        assert!(out.join("barriers.csv").exists(), "{}", errors(&output));
-        let text = fs::read_to_string(out.join("barriers.csv")).unwrap();
+        let path = path.display().to_string();
+        let more = ["--points", "32", "--barriers", "2", "--quiet"];
+        perform(&[&["diagram", &path], &more[..]].concat(), &out);
+        let text = content(out.join("barriers.csv"));
         text.lines().map(str::to_owned).collect::<Vec<_>>()
     };
     let with = barriers("with.toml", &rubber(&[]));

@@ -1,4 +1,5 @@
 //! Scenes and their loops, for the tests of whole loops.
+#![allow(dead_code, reason = "each suite uses its part")]
 
 use tackscope::follow::record::JumpRecord;
 use tackscope::follow::run::{LoopRun, Outcome, run_loop};
@@ -17,6 +18,13 @@ use tackscope::study::plan::{plan, run_planned};
 /// A built-in scene.
 pub fn preset(name: &str) -> Scene {
     presets::resolve(name).unwrap()
+}
+
+/// The same on another mesh.
+pub fn preset_on(name: &str, points: Points) -> Scene {
+    let mut scene = preset(name);
+    scene.cell.points = points;
+    scene
 }
 
 /// Walked by Newton-Krylov to its end.

@@ -1,11 +1,12 @@
 //! The chart of speed against accuracy: what it measures, how it judges, and what it writes.
 
+use crate::binary::{content, done, errors, folder, is_png, perform, says};
 use crate::loops::preset;
 use proptest::prelude::*;
 use proptest::strategy::Strategy as _;
 use std::fs;
 use std::path::Path;
-use std::process::{Command, Output, Stdio};
+use std::process::Output;
 use std::sync::OnceLock;
 use tackscope::numerics::cancel::Cancel;
 use tackscope::physics::control::Control;
@@ -319,17 +320,8 @@ proptest! {
     }
 }
 
-fn chart_command(scene: &Path, out: &Path, more: &[&str]) -> Output {
-    let mut command = Command::new(env!("CARGO_BIN_EXE_tackscope"));
-    command
-        .stdin(Stdio::null())
-        .arg("chart")
-        .arg(scene)
-        .arg("--out")
-        .arg(out)
-        .args(more)
-        .output()
-        .expect("the binary runs")
+fn chart_command(scene: &str, out: &Path, more: &[&str]) -> Output {
+    perform(&[&["chart", scene], more].concat(), out)
 }
 
 /// The cells of a line of CSV whose quotes are not doubled.
@@ -352,17 +344,16 @@ fn cells(line: &str) -> Vec<String> {
 
 #[test]
 fn the_command_writes_a_table_whose_every_row_parses() {
-    let home = tempfile::tempdir().expect("a folder");
+    let home = folder();
     let (scene, out) = (home.path().join("tiny.toml"), home.path().join("out"));
     fs::write(&scene, TINY).expect("written");
-    let output = chart_command(&scene, &out, &["--quick"]);
-    let told = String::from_utf8(output.stderr).expect("UTF-8");
-    assert_eq!(output.status.code(), Some(0), "{told}");
-    assert!(
-        told.contains("FAILED: ") && told.contains("states above the tolerance"),
-        "{told}"
+    let output = chart_command(&scene.display().to_string(), &out, &["--quick"]);
+    done(&output);
+    says(
+        &errors(&output),
+        &["FAILED: ", "states above the tolerance"],
     );
-    let table = fs::read_to_string(out.join("chart.csv")).expect("chart.csv");
+    let table = content(out.join("chart.csv"));
     let mut lines = table.lines();
     assert_eq!(lines.next(), Some(CHART_COLUMNS));
     let columns: Vec<&str> = CHART_COLUMNS.split(',').collect();
@@ -391,8 +382,7 @@ fn the_command_writes_a_table_whose_every_row_parses() {
         "the failure is in the table"
     );
     let short: serde_json::Value =
-        serde_json::from_slice(&fs::read(out.join("chart.json")).expect("chart.json"))
-            .expect("JSON");
+        serde_json::from_str(&content(out.join("chart.json"))).expect("JSON");
     assert_eq!(
         short["counts"]["points"].as_u64(),
         Some(rows.len() as u64 - 1)
@@ -405,30 +395,26 @@ fn the_command_writes_a_table_whose_every_row_parses() {
         "{}",
         short["pareto_transforms"]
     );
-    let picture = fs::read_to_string(out.join("chart.svg")).expect("chart.svg");
+    let picture = content(out.join("chart.svg"));
     assert!(
         rows.iter()
             .filter(|row| row[16] != "done")
             .all(|row| picture.contains(&row[16])),
         "and in the picture"
     );
-    assert!(
-        fs::read(out.join("chart.png"))
-            .expect("chart.png")
-            .starts_with(b"\x89PNG")
-    );
+    assert!(is_png(&out.join("chart.png")));
 }
 
 #[test]
 fn a_wrong_scene_or_option_of_the_chart_is_refused() {
-    let home = tempfile::tempdir().expect("a folder");
+    let home = folder();
     for (scene, more) in [
         ("fig22", ["--quick"].as_slice()),
         ("fig2", &["--seconds", "many"]),
         ("fig2", &["--quick", "--seconds", "3"]),
     ] {
         let out = home.path().join("out");
-        let output = chart_command(Path::new(scene), &out, more);
+        let output = chart_command(scene, &out, more);
         assert_eq!(output.status.code(), Some(2), "{scene} {more:?}");
         assert!(!out.exists());
     }

@@ -1,6 +1,6 @@
 //! The forecast of the next jump against exact theory, and against the jumps the walk finds later.
 
-use crate::loops::{preset, walked};
+use crate::loops::{preset_on, walked};
 use tackscope::follow::record::{Direction, LoopRecord, StateRecord};
 use tackscope::follow::run::LoopRun;
 use tackscope::follow::walk::Walk;
@@ -13,21 +13,21 @@ use tackscope::solver::methods::MethodKind;
 use tackscope::study::forecast::{Forecast, forecast};
 
 fn fig2(points: usize) -> Scene {
-    let mut scene = preset("fig2");
-    scene.cell.points = Points::Square(points);
-    scene
+    preset_on("fig2", Points::Square(points))
 }
 
-fn loop_on(points: usize) -> (LoopRun, Model) {
-    let scene = fig2(points);
-    (walked(&scene, Part::Whole), scene.model().unwrap())
+/// The limit of the flat state on a way, by Eq. 8.
+fn limit(model: &Model, branch: Direction) -> f64 {
+    let (lower, upper) = flat::limits(&model.law, model.grid.length).unwrap();
+    match branch {
+        Direction::Approach => upper,
+        Direction::Retraction => lower,
+    }
 }
 
 fn contains(forecast: &Forecast, u0: f64) -> bool {
-    let (low, high) = (
-        forecast.nearest.min(forecast.farthest),
-        forecast.nearest.max(forecast.farthest),
-    );
+    let Forecast { nearest, farthest } = *forecast;
+    let (low, high) = (nearest.min(farthest), nearest.max(farthest));
     // The walk bisects the flat state's limit to 1e-9 ranges.
     (low - 1e-6..=high + 1e-6).contains(&u0)
 }
@@ -60,7 +60,8 @@ fn before_each_jump(run: &LoopRun) -> Vec<(Vec<LoopRecord>, f64)> {
 /// (forecasts made within 0.15 ranges of a jump that the eigenvalue announces, those that contain
 /// it, states without a forecast).
 fn score(points: usize) -> (usize, usize, usize) {
-    let (run, model) = loop_on(points);
+    let scene = fig2(points);
+    let (run, model) = (walked(&scene, Part::Whole), scene.model().unwrap());
     let (mut made, mut right, mut none) = (0, 0, 0);
     for (stood, jump) in before_each_jump(&run) {
         // Where a coarse mesh pins the pattern, its jump is not announced by the eigenvalue that is
@@ -146,12 +147,7 @@ fn the_limit_of_the_flat_state_is_foreseen_exactly_from_both_sides() {
         (Direction::Retraction, [0.5, 0.52, 0.54]),
     ] {
         let (record, model) = flat_states(branch, &path, Pattern::Flat);
-        let (lower, upper) = flat::limits(&model.law, model.grid.length).unwrap();
-        let limit = if branch == Direction::Approach {
-            upper
-        } else {
-            lower
-        };
+        let limit = limit(&model, branch);
         assert_eq!(
             forecast(&record, &model),
             Some(Forecast {
@@ -179,12 +175,7 @@ fn the_extrapolation_alone_brackets_the_limits_of_eq_8_too() {
     for (branch, sign) in [(Direction::Approach, 1.0), (Direction::Retraction, -1.0)] {
         for distance in [0.15, 0.1, 0.05, 0.02, 0.005] {
             let (_, model) = flat_states(branch, &[3.0], Pattern::Flat);
-            let (lower, upper) = flat::limits(&model.law, model.grid.length).unwrap();
-            let limit = if branch == Direction::Approach {
-                upper
-            } else {
-                lower
-            };
+            let limit = limit(&model, branch);
             let path = [2.0, 1.0, 0.0].map(|k| limit + sign * (distance + 0.02 * k));
             let (record, model) = flat_states(branch, &path, Pattern::Bulge);
             let forecast = forecast(&record, &model).unwrap();

@@ -2,7 +2,7 @@
 //! vanish, dense eigenvalues, the gradient, and the work of the stress.
 
 use crate::dense::Dense;
-use crate::loops::{flat_ground, preset};
+use crate::loops::{flat_ground, preset_on};
 use ndarray::Array2;
 use std::f64::consts::{LN_2, PI};
 use tackscope::follow::diagram::{Branch, Diagram, Kind};
@@ -42,9 +42,7 @@ impl Known {
     }
 
     fn fig2() -> Self {
-        let mut scene = preset("fig2");
-        scene.cell.points = Points::Square(48);
-        Self::of(scene)
+        Self::of(preset_on("fig2", Points::Square(48)))
     }
 
     fn ground(&self) -> Ground<'_> {
@@ -132,9 +130,7 @@ fn a_barrier_vanishes_as_the_distance_to_a_fold_to_the_power_of_three_halves() {
 #[test]
 fn a_tip_is_held_by_barriers_that_vanish_at_both_its_folds() {
     // The coarsest mesh on which this tip still jumps.
-    let mut scene = preset("hertz");
-    scene.cell.points = Points::Square(64);
-    let known = Known::of(scene);
+    let known = Known::of(preset_on("hertz", Points::Square(64)));
     let rho = known.model.law.range;
     let folds = known.events("contact", Kind::Fold);
     let (low, high) = (folds[1].min(folds[0]), folds[1].max(folds[0]));

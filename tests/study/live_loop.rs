@@ -1,10 +1,11 @@
 //! The live loop against the walk: the same curve, the same jumps, and the right answer before the
 //! walk has got there.
 
-use crate::loops::{assert_same_jumps, preset, walked};
+use crate::loops::{assert_same_jumps, preset, preset_on, walked};
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 use tackscope::follow::record::{Direction, JumpRecord, StateRecord};
+use tackscope::follow::run::LoopRun;
 use tackscope::follow::walk::{Progress, Walk};
 use tackscope::numerics::cancel::Cancel;
 use tackscope::physics::control::Control;
@@ -28,69 +29,69 @@ fn live(scene: &Scene, fineness: Fineness) -> LiveLoop {
         .unwrap()
 }
 
+/// The live loop has the jumps, the loss and the stress of the walked one, to these shares; every
+/// walked state lies on the drawn curve, away from the very ends of the branches.
+fn is_as_walked(scene: &Scene, run: &LoopRun, fineness: Fineness, within: [f64; 3]) -> LiveLoop {
+    let began = Instant::now();
+    let live = live(scene, fineness);
+    let (loss, found) = (run.record.released_energy_sum(), live.dissipated_energy);
+    let (points, took) = (live.points, began.elapsed());
+    println!("{fineness:?}: {points} points, {took:?}, {found} against {loss}");
+    let off = (found / loss - 1.0).abs();
+    assert!(off < within[0], "{fineness:?}: {off:e}");
+    assert_same_jumps(&live.jumps, &run.record.jumps, within[1]);
+    for state in &run.record.states {
+        let near = |jump: &JumpRecord| (state.control - jump.control).abs() < 0.02;
+        if run.record.jumps.iter().any(near) {
+            continue;
+        }
+        let leg = live.legs.iter().find(|leg| {
+            let ends = leg.from.min(leg.to) - 1e-9..=leg.from.max(leg.to) + 1e-9;
+            leg.direction == state.direction && ends.contains(&state.control)
+        });
+        let leg = leg.unwrap_or_else(|| panic!("{state:?} in {:?}", live.legs));
+        let at = live.segments[leg.segment].at(state.control);
+        let off = (at.stress - state.stress).abs() / live.law.traction_max();
+        assert!(off < within[2], "{fineness:?}: {off} at {state:?}");
+    }
+    live
+}
+
 #[test]
 fn the_live_loop_has_the_jumps_the_energy_and_the_stress_of_the_walked_loop() {
     let scene = fig2();
     let run = walked(&scene, Part::Whole);
     let work = run.record.work() / scene.law.surface_energy;
     for (fineness, tolerance) in [(Fineness::Coarse, 0.01), (Fineness::Fine, 2e-3)] {
-        let began = Instant::now();
-        let live = live(&scene, fineness);
-        println!(
-            "{fineness:?}: {} points, {:?}, {} against {work}",
-            live.points,
-            began.elapsed(),
-            live.dissipated_energy
-        );
+        let live = is_as_walked(&scene, &run, fineness, [tolerance, 0.02, 5e-3]);
         assert!((live.dissipated_energy / work - 1.0).abs() < tolerance);
-        assert_same_jumps(&live.jumps, &run.record.jumps, 0.02);
-        // Every walked state lies on the drawn curve, away from the very ends of the branches.
-        for state in &run.record.states {
-            let near = |u0: f64| (state.mean_displacement - u0).abs() < 0.02;
-            if run
-                .record
-                .jumps
-                .iter()
-                .any(|jump| near(jump.mean_displacement))
-            {
-                continue;
-            }
-            let leg = live.legs.iter().find(|leg| {
-                leg.direction == state.direction
-                    && (leg.from.min(leg.to)..=leg.from.max(leg.to))
-                        .contains(&state.mean_displacement)
-            });
-            let stress = live.segments[leg.unwrap().segment]
-                .at(state.mean_displacement)
-                .stress;
-            let off = (stress - state.stress).abs() / live.law.traction_max();
-            assert!(off < 5e-3, "{fineness:?}: {off} at {state:?}");
-        }
     }
+}
+
+/// The patterns in which the walk stands at the `targets`, each as the live loop has foretold it.
+fn foretold(scene: &Scene, targets: &[f64], within: f64) -> Vec<&'static str> {
+    let live = live(scene, Fineness::Fine);
+    let mut walk = Walk::start(scene, MethodKind::NewtonKrylov.into(), &Cancel::default()).unwrap();
+    let stands = |target: &f64| {
+        let reading = live.reading(walk.record(), *target);
+        let (pattern, sample) = reading.expect("the walk stands on a known branch");
+        walk.set_target(*target);
+        while walk.step(&Cancel::default(), &mut |_| {}) == Progress::Working {}
+        let there = walk.record();
+        assert_eq!((there.control, there.pattern), (*target, pattern));
+        let off = (sample.stress - there.stress).abs() / live.law.traction_max();
+        assert!(off < within, "{off} at {target}");
+        assert!(sample.stiffness_min > 0.0);
+        pattern.word()
+    };
+    targets.iter().map(stands).collect()
 }
 
 #[test]
 fn the_reading_says_where_the_walk_will_stand_also_after_turning_round_in_the_middle() {
-    let scene = fig2();
-    let live = live(&scene, Fineness::Fine);
-    let mut walk =
-        Walk::start(&scene, MethodKind::NewtonKrylov.into(), &Cancel::default()).unwrap();
-    let mut patterns = Vec::new();
-    for target in [3.0, 2.0, 3.3, 2.0, 1.0, 0.3, 1.5, 3.0, 3.9, 4.2] {
-        let (pattern, sample) = live
-            .reading(walk.record(), target)
-            .expect("the walk stands on a known branch");
-        walk.set_target(target);
-        while walk.step(&Cancel::default(), &mut |_| {}) == Progress::Working {}
-        let there = walk.record();
-        assert_eq!((there.mean_displacement, there.pattern), (target, pattern));
-        let off = (sample.stress - there.stress).abs() / live.law.traction_max();
-        assert!(off < 5e-3, "{off} at {target}");
-        assert!(sample.stiffness_min > 0.0);
-        patterns.push(pattern.word());
-    }
+    let targets = [3.0, 2.0, 3.3, 2.0, 1.0, 0.3, 1.5, 3.0, 3.9, 4.2];
     assert_eq!(
-        patterns,
+        foretold(&fig2(), &targets, 5e-3),
         [
             "bulge", "ridge", "ridge", "ridge", "dimple", "flat", "dimple", "ridge", "bulge",
             "flat"
@@ -120,8 +121,7 @@ fn a_leg_is_drawn_in_the_direction_it_is_gone() {
 
 #[test]
 fn what_the_atlas_does_not_hold_is_refused_in_words() {
-    let mut scene = fig2();
-    scene.cell.points = Points::Line(64);
+    let scene = preset_on("fig2", Points::Line(64));
     let words = LiveLoops::default()
         .next(&scene, &scene.model().unwrap(), Fineness::Coarse)
         .unwrap_err()
@@ -132,7 +132,7 @@ fn what_the_atlas_does_not_hold_is_refused_in_words() {
 #[test]
 fn a_loop_taken_over_from_a_law_a_little_different_is_the_loop_made_afresh() {
     let mut loops = LiveLoops::default();
-    let (mut taken_over, mut afresh) = (Duration::ZERO, Duration::ZERO);
+    let mut took = [Duration::ZERO; 2];
     for i in 0..=12 {
         let mut scene = fig2();
         scene.law.range = Range::Length(if i < 12 {
@@ -141,31 +141,23 @@ fn a_loop_taken_over_from_a_law_a_little_different_is_the_loop_made_afresh() {
             1.1
         });
         let model = scene.model().unwrap();
-        let began = Instant::now();
-        let quick = loops.next(&scene, &model, Fineness::Coarse).unwrap();
-        taken_over += if i > 0 {
-            began.elapsed()
-        } else {
-            Duration::ZERO
-        };
-        let began = Instant::now();
-        let slow = LiveLoops::default()
-            .next(&scene, &model, Fineness::Coarse)
-            .unwrap();
-        afresh += if i > 0 {
-            began.elapsed()
-        } else {
-            Duration::ZERO
-        };
+        let mut both = [&mut loops, &mut LiveLoops::default()];
+        let [quick, slow] = [0, 1].map(|k| {
+            let began = Instant::now();
+            let live = both[k].next(&scene, &model, Fineness::Coarse).unwrap();
+            took[k] += if i > 0 {
+                began.elapsed()
+            } else {
+                Duration::ZERO
+            };
+            live
+        });
         let off = (quick.dissipated_energy / slow.dissipated_energy - 1.0).abs();
         assert!(off < 2e-3, "{off} at {i}");
         assert_same_jumps(&quick.jumps, &slow.jumps, 5e-3);
     }
-    println!(
-        "a loop taken over: {:?}, afresh: {:?}",
-        taken_over / 12,
-        afresh / 12
-    );
+    let [taken_over, afresh] = took.map(|time| time / 12);
+    println!("a loop taken over: {taken_over:?}, afresh: {afresh:?}");
 }
 
 /// The scene of Fig. 2 under a spring on which the bulge is skipped.
@@ -179,51 +171,18 @@ fn sprung() -> Scene {
 fn the_live_loop_under_a_spring_is_that_of_the_walk_on_the_scenes_own_mesh() {
     let scene = sprung();
     let run = walked(&scene, Part::Quarter);
-    let ledger = run.record.ledger(scene.law.surface_energy);
     for (fineness, tolerance) in [(Fineness::Coarse, 3e-4), (Fineness::Fine, 1e-4)] {
-        let live = live(&scene, fineness);
-        let off = live.dissipated_energy / ledger.released_energy_sum - 1.0;
-        assert!(off.abs() < tolerance, "{fineness:?}: {off:e}");
-        assert_same_jumps(&live.jumps, &run.record.jumps, tolerance);
+        let live = is_as_walked(&scene, &run, fineness, [tolerance, tolerance, 1e-2]);
         // Flat far away and pressed, ridge, and dimple on both ways.
         assert!((4..=6).contains(&live.segments.len()), "{:?}", live.legs);
-        for state in &run.record.states {
-            let near = |value: f64| (state.control - value).abs() < 0.02;
-            if run.record.jumps.iter().any(|jump| near(jump.control)) {
-                continue;
-            }
-            let leg = live.legs.iter().find(|leg| {
-                let ends = leg.from.min(leg.to) - 1e-9..=leg.from.max(leg.to) + 1e-9;
-                leg.direction == state.direction && ends.contains(&state.control)
-            });
-            let leg = leg.unwrap_or_else(|| panic!("{state:?} in {:?}", live.legs));
-            let at = live.segments[leg.segment].at(state.control);
-            let off = (at.stress - state.stress).abs() / live.law.traction_max();
-            assert!(off < 1e-2, "{fineness:?}: {off} at {state:?}");
-        }
     }
 }
 
 #[test]
 fn the_reading_under_a_spring_says_where_the_walk_will_stand() {
-    let scene = sprung();
-    let live = live(&scene, Fineness::Fine);
-    let mut walk =
-        Walk::start(&scene, MethodKind::NewtonKrylov.into(), &Cancel::default()).unwrap();
-    let mut patterns = Vec::new();
-    for target in [4.0, 3.4, 3.0, 2.75, 1.0, 3.3, 4.0, 5.0] {
-        let reading = live.reading(walk.record(), target);
-        walk.set_target(target);
-        while walk.step(&Cancel::default(), &mut |_| {}) == Progress::Working {}
-        let there = walk.record();
-        let (pattern, sample) = reading.expect("the walk stands on a known branch");
-        assert_eq!((there.control, there.pattern), (target, pattern));
-        let off = (sample.stress - there.stress).abs() / live.law.traction_max();
-        assert!(off < 1e-2, "{off} at {target}");
-        patterns.push(pattern.word());
-    }
+    let targets = [4.0, 3.4, 3.0, 2.75, 1.0, 3.3, 4.0, 5.0];
     assert_eq!(
-        patterns,
+        foretold(&sprung(), &targets, 1e-2),
         [
             "flat", "ridge", "ridge", "dimple", "flat", "dimple", "ridge", "flat"
         ]
@@ -308,8 +267,7 @@ fn is_met(scene: &Scene, part: Part) {
 
 #[test]
 fn a_foreseen_state_is_the_one_that_the_walk_meets_there() {
-    let mut scene = fig2();
-    scene.cell.points = Points::Square(48);
+    let scene = preset_on("fig2", Points::Square(48));
     // Between mesh points, as on the quarter, or on them, as here: each has an energy of its own.
     for part in [Part::Quarter, Part::Whole] {
         is_met(&scene, part);
@@ -318,8 +276,7 @@ fn a_foreseen_state_is_the_one_that_the_walk_meets_there() {
 
 #[test]
 fn a_foreseen_state_under_a_spring_is_the_one_that_the_walk_meets_there() {
-    let mut scene = fig2();
-    scene.cell.points = Points::Square(48);
+    let mut scene = preset_on("fig2", Points::Square(48));
     scene.drive.control = Control::Spring { stiffness: 0.2 };
     is_met(&scene, Part::Quarter);
 }

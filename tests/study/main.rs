@@ -1,9 +1,10 @@
 //! What is done with loops: plan, error bar, chart, live loop, forecast.
 
+#[path = "../program/binary.rs"]
+mod binary;
 mod chart;
 #[path = "../solver/dense.rs"]
 mod dense;
-mod error_bar;
 mod forecast;
 mod landscape;
 mod live_loop;
@@ -14,5 +15,4 @@ mod plan;
 mod reality;
 mod reference;
 mod sweep;
-mod time_step_map;
 mod why;

@@ -1,12 +1,15 @@
-//! The map of patterns: against closed forms, against loops made afresh, and where none is known.
+//! The map of patterns: against closed forms, against loops made afresh, and where none is known. And
+//! the measured stability of GFMD against the bound, on the approach of Fig. 2.
 
-use crate::loops::{assert_same_jumps, preset, walked};
+use crate::loops::{assert_same_jumps, preset, preset_on, walked};
 use tackscope::follow::record::{Cause, Direction, JumpRecord};
 use tackscope::numerics::cancel::Cancel;
 use tackscope::physics::theory::flat;
 use tackscope::scene::part::Part;
+use tackscope::scene::{Points, Range, Scene, Turn};
 use tackscope::study::live_loop::{Fineness, LiveLoops};
 use tackscope::study::map::{PatternMap, Vary};
+use tackscope::study::time_step_map::{Progress, Survey, TimeStepMap};
 
 fn map(key: &str, from: f64, to: f64, count: usize) -> PatternMap {
     let vary = Vary {
@@ -59,10 +62,10 @@ fn every_row_is_the_loop_made_afresh_also_where_the_order_of_the_patterns_change
     let mut orders = Vec::new();
     for row in map.rows.iter().step_by(3) {
         let mut scene = preset("fig2");
-        scene.law.range = tackscope::scene::Range::Length(row.value);
+        scene.law.range = Range::Length(row.value);
         let limits = flat::limits(&row.law.unwrap(), 256.0).unwrap();
         scene.drive.start = limits.1 + 8.0 * row.value;
-        scene.drive.turn = tackscope::scene::Turn::At(limits.0 - row.value);
+        scene.drive.turn = Turn::At(limits.0 - row.value);
         let fresh = LiveLoops::default()
             .next(&scene, &scene.model().unwrap(), Fineness::Coarse)
             .unwrap();
@@ -171,4 +174,77 @@ fn a_request_to_stop_leaves_the_rows_that_were_found() {
     });
     let map = map.unwrap();
     assert!(map.cancelled && map.rows.len() == 3);
+}
+
+fn measured(scene: &Scene, turn: f64) -> TimeStepMap {
+    let mut survey = Survey::new(scene, turn).unwrap();
+    loop {
+        match survey.step(&Cancel::default()) {
+            Progress::Working => {}
+            Progress::Done => return survey.map().clone(),
+            other => panic!("{other:?}"),
+        }
+    }
+}
+
+/// The largest stable time step of each column; `None` if all are stable or none is.
+fn limits(map: &TimeStepMap) -> Vec<Option<f64>> {
+    let rows = map.time_steps.len();
+    (0..map.columns)
+        .map(|column| {
+            let first = (0..rows).find(|row| map.at(column, *row) == Some(false))?;
+            assert!(
+                (first..rows).all(|row| map.at(column, row) == Some(false)),
+                "stable again above the limit in column {column}"
+            );
+            first.checked_sub(1).map(|row| map.time_steps[row])
+        })
+        .collect()
+}
+
+#[test]
+fn the_measured_limit_agrees_with_the_bound_within_one_cell_and_never_lies_below_it() {
+    let scene = preset_on("fig2", Points::Square(32));
+    let map = measured(&scene, 0.2);
+    assert_eq!(map.displacements.len(), map.columns);
+    let model = scene.model().unwrap();
+    let (lower, _) = flat::limits(&model.law, model.grid.length).unwrap();
+    let (mut tight, mut compressed) = (0, 0);
+    let ratio = map.time_steps[1] / map.time_steps[0];
+    for (column, limit) in limits(&map).into_iter().enumerate() {
+        let (u0, bound, limit) = (
+            map.displacements[column],
+            map.bounds[column],
+            limit.unwrap(),
+        );
+        println!("u0 {u0:.3}: measured {limit:.3}, bound {bound:.3}");
+        assert!(
+            limit * ratio >= bound,
+            "unstable below the bound at {u0}: {limit} {bound}"
+        );
+        tight += usize::from(limit <= bound * ratio);
+        if u0 < lower {
+            compressed += 1;
+            assert!(limit <= bound * ratio, "at {u0}: {limit} {bound}");
+        }
+    }
+    println!(
+        "within one cell in {tight} of {} columns, of which {compressed} are compressed and flat",
+        map.columns
+    );
+    assert!(compressed >= 2 && tight >= map.columns / 2);
+}
+
+#[test]
+fn a_survey_is_interrupted_within_a_piece_of_work_and_goes_on() {
+    let mut survey = Survey::new(&preset_on("fig2", Points::Line(32)), 0.2).unwrap();
+    let cancel = Cancel::default();
+    while survey.map().stable.len() < 5 {
+        assert_eq!(survey.step(&cancel), Progress::Working);
+    }
+    cancel.request();
+    assert!((0..3).any(|_| survey.step(&cancel) == Progress::Cancelled));
+    cancel.clear();
+    assert_eq!(survey.step(&cancel), Progress::Working);
+    assert!(survey.map().fraction() < 0.1);
 }

@@ -8,7 +8,7 @@ use tackscope::physics::theory::flat;
 use tackscope::scene::{Points, Range, Scene};
 use tackscope::study::axis::{Sequence, Spacing, Span, grid};
 use tackscope::study::converge::{convergences, estimate, ladder};
-use tackscope::study::error_bar::read_off;
+use tackscope::study::plan::read_off;
 use tackscope::study::sweep::{Point, Row, Study, column};
 
 fn study(scene: Scene, keys: &[&str], places: Vec<Vec<f64>>) -> Study {

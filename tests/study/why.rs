@@ -1,7 +1,7 @@
 //! Why a surface snapped: the numbers of the sentence against theory, and its words against what
 //! the walk finds.
 
-use crate::loops::preset;
+use crate::loops::{preset, preset_on};
 use std::f64::consts::PI;
 use tackscope::follow::contest::Share;
 use tackscope::follow::flat_branch::FlatBranch;
@@ -174,8 +174,7 @@ fn walked(scene: &Scene, turn: f64) -> Vec<(JumpRecord, Explanation)> {
 
 #[test]
 fn every_jump_of_fig_2_is_explained_by_its_cause_and_its_mode() {
-    let mut scene = preset("fig2");
-    scene.cell.points = Points::Square(64);
+    let scene = preset_on("fig2", Points::Square(64));
     let found = walked(&scene, 0.2);
     let of = |direction, from| {
         let found = found
@@ -214,8 +213,7 @@ fn every_jump_of_fig_2_is_explained_by_its_cause_and_its_mode() {
 #[test]
 fn under_a_spring_the_machine_is_a_side_of_the_criterion() {
     // Both sides are held against the measured eigenvalue at each jump.
-    let mut scene = preset("soft-machine");
-    scene.cell.points = Points::Square(48);
+    let scene = preset_on("soft-machine", Points::Square(48));
     let found = walked(&scene, -1.0);
     let by_the_machine = |(_, why): &&(JumpRecord, Explanation)| why.sentence.contains("machine");
     assert!(found.iter().filter(by_the_machine).count() > 0, "{found:?}");
@@ -233,8 +231,7 @@ fn under_a_spring_the_machine_is_a_side_of_the_criterion() {
 
 #[test]
 fn a_jump_of_the_mesh_says_which_mesh_has_none_and_a_contested_one_its_shares() {
-    let mut scene = preset("fig2");
-    scene.cell.points = Points::Square(16);
+    let scene = preset_on("fig2", Points::Square(16));
     let model = scene.model().unwrap();
     assert!(model.mu_rho > 0.5);
     let said = |jump: &JumpRecord| {

@@ -1,7 +1,7 @@
 //! The difference of two exponentials (Fig. 14), the coarse-grained law of a rough interface.
 
 use super::{Form, fill_by_point};
-use crate::numerics::exponential::{exp, map_sum};
+use crate::numerics::functions::{exp, map_sum};
 use crate::physics::parameter::{BELOW_ONE, Dimension, own};
 
 /// Largest ratio at which the difference of two exponentials, each to 4e-16, is still good to
@@ -56,24 +56,16 @@ impl Form for DoubleExponential {
         (x, -self.at(x)[2])
     }
 
-    fn fill(
-        &self,
-        gap: &[f64],
-        range: f64,
-        scale: [f64; 3],
-        first: &mut [f64],
-        second: &mut [f64],
-    ) -> f64 {
+    fn fill(&self, gap: &[f64], range: f64, scale: [f64; 3], out: [&mut [f64]; 2]) -> f64 {
         let r = self.ratio;
         if r > APART {
-            return fill_by_point(self, gap, range, scale, first, second);
+            return fill_by_point(self, gap, range, scale, out);
         }
         let [s, s1, s2] = scale.map(|s| s / (1.0 - r));
         let (inverse, inverse_repulsive) = (-1.0 / range, -1.0 / (range * r));
         map_sum(
             gap,
-            first,
-            second,
+            out,
             #[inline(always)]
             |g| {
                 let (a, b) = (exp(g * inverse_repulsive), exp(g * inverse));

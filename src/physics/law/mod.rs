@@ -38,19 +38,12 @@ pub trait Form {
         true
     }
 
-    /// f' and f'' of every gap g (in lengths, x = g/range) into `first` and `second`; returns the
+    /// f' and f'' of every gap g (in lengths, x = g/range) into the two of `out`; returns the
     /// sum of f. Each is multiplied by its `scale`, that of f first.
     ///
     /// One pass over the field; laws made of exponentials replace it by a vectorised kernel.
-    fn fill(
-        &self,
-        gap: &[f64],
-        range: f64,
-        scale: [f64; 3],
-        first: &mut [f64],
-        second: &mut [f64],
-    ) -> f64 {
-        fill_by_point(self, gap, range, scale, first, second)
+    fn fill(&self, gap: &[f64], range: f64, scale: [f64; 3], out: [&mut [f64]; 2]) -> f64 {
+        fill_by_point(self, gap, range, scale, out)
     }
 }
 
@@ -60,8 +53,7 @@ fn fill_by_point(
     gap: &[f64],
     range: f64,
     scale: [f64; 3],
-    first: &mut [f64],
-    second: &mut [f64],
+    [first, second]: [&mut [f64]; 2],
 ) -> f64 {
     let mut sum = 0.0;
     for ((g, d1), d2) in gap.iter().zip(first).zip(second) {
@@ -121,13 +113,9 @@ impl Law {
     /// Traction and stiffness of every gap, in one pass; returns the sum of the energies gamma(g).
     pub fn fill(&self, gap: &[f64], traction: &mut [f64], stiffness: &mut [f64]) -> f64 {
         let (gamma, rho) = (self.surface_energy, self.range);
-        self.shape.form().fill(
-            gap,
-            rho,
-            [gamma, gamma / rho, gamma / (rho * rho)],
-            traction,
-            stiffness,
-        )
+        let scale = [gamma, gamma / rho, gamma / (rho * rho)];
+        let out = [traction, stiffness];
+        self.shape.form().fill(gap, rho, scale, out)
     }
 
     /// True if the stiffness is a continuous function of the gap.

@@ -1,7 +1,7 @@
 //! The Morse law (Eq. 3 of Wang, Zhou, Mueser 2021).
 
 use super::Form;
-use crate::numerics::exponential::{exp, map_sum};
+use crate::numerics::functions::{exp, map_sum};
 use crate::physics::parameter::Own;
 use std::f64::consts::LN_2;
 
@@ -33,20 +33,12 @@ impl Form for Morse {
         (2.0 * LN_2, 0.25)
     }
 
-    fn fill(
-        &self,
-        gap: &[f64],
-        range: f64,
-        scale: [f64; 3],
-        first: &mut [f64],
-        second: &mut [f64],
-    ) -> f64 {
+    fn fill(&self, gap: &[f64], range: f64, scale: [f64; 3], out: [&mut [f64]; 2]) -> f64 {
         let inverse = -1.0 / range;
         let [s, s1, s2] = [scale[0], 2.0 * scale[1], 2.0 * scale[2]];
         map_sum(
             gap,
-            first,
-            second,
+            out,
             #[inline(always)]
             |g| {
                 let e = exp(g * inverse);

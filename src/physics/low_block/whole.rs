@@ -56,25 +56,11 @@ impl LowBlock {
         self.hessian = exact;
         most
     }
-}
 
-impl LowBlock {
     /// How the modes of the class lie in a `whole` system of the cell, unfolded as by
     /// [`System::unfolded`].
     pub fn unfolding(&self, whole: &System) -> Unfolding {
         let mut places = Vec::new();
-        self.each_place(whole, |wave, pair, factor| {
-            places.push((wave, pair, factor));
-        });
-        Unfolding {
-            places,
-            waves: self.waves.len(),
-            dimension: whole.dimension(),
-        }
-    }
-
-    /// Every amplitude of the whole cell that a wave of norm 1 has, with its value there.
-    fn each_place(&self, whole: &System, mut at: impl FnMut(usize, usize, Complex<f64>)) {
         let (ny, nx) = whole.grid().shape();
         let parity = self.class.parity();
         // A cosine is (e^+ + e^-)/2, a sine (e^+ - e^-)/2i, about the middle between two points.
@@ -97,14 +83,19 @@ impl LowBlock {
                 let Some(weight) = weight else { continue };
                 let along_x = weight * side(k, nx, 0, 1.0);
                 if l == 0 {
-                    at(wave, k * ny, along_x);
+                    places.push((wave, k * ny, along_x));
                     continue;
                 }
                 for (place, sign) in [(l, 1.0), (ny - l, -1.0)] {
                     let factor = FRAC_1_SQRT_2 * along_x * side(l, ny, 1, sign);
-                    at(wave, k * ny + place, factor);
+                    places.push((wave, k * ny + place, factor));
                 }
             }
+        }
+        Unfolding {
+            places,
+            waves: self.waves.len(),
+            dimension: whole.dimension(),
         }
     }
 }

@@ -3,14 +3,12 @@
 //! Contact modulus E* = 1 throughout. What is written with a tilde in the paper is made
 //! dimensionless by [`Units`].
 
-pub mod asymptotes;
 pub mod circular;
-pub mod discs;
-pub mod dissipation;
 pub mod flat;
 pub mod jkr;
-pub mod jkr_periodic;
 pub mod ridge;
+
+use super::law::Law;
 
 /// The point between `below` and `above` where `is_below` turns from true to false, to the last
 /// bit.
@@ -40,6 +38,14 @@ pub struct Units {
 }
 
 impl Units {
+    /// Of this law in a cell of side `length`.
+    pub fn of(law: &Law, length: f64) -> Self {
+        Self {
+            length,
+            surface_energy: law.surface_energy,
+        }
+    }
+
     /// The unit of displacements and ranges, sqrt(gamma L/E*) (length).
     pub fn displacement(&self) -> f64 {
         (self.surface_energy * self.length).sqrt()

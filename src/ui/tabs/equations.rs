@@ -1,7 +1,7 @@
 //! The model's equations with the numbers of the scene, and whether such a scene is real.
 
 use super::{Tab, Title};
-use crate::study::equations::equations;
+use crate::study::reality::equations;
 use crate::study::reality::{Check, Verdict, reality};
 use crate::ui::action::Action;
 use crate::ui::theme;
