@@ -4,7 +4,7 @@ use super::progress::Monitor;
 use super::{
     DONE, NOT_CONVERGED, Output, cancel_on_signal, failures, interrupted, scene_with_points, warn,
 };
-use crate::plot::map_panel::page;
+use crate::plot::study_panel::map_page;
 use crate::plot::ticks::digits;
 use crate::storage::export::write_map_csv;
 use crate::storage::{Failure, drawing, scene_file};
@@ -61,7 +61,7 @@ pub(super) fn map(arguments: &MapArguments) -> Result<u8, Failure> {
         .map_err(refused)?;
     monitor.finish();
     let [csv, picture, _] = FILES.map(|name| folder.join(name));
-    let pictures = drawing::write_page(&picture, &page(&found, &scene));
+    let pictures = drawing::write_page(&picture, &map_page(&found, &scene));
     let written = [write_map_csv(&csv, &found)].into_iter().chain(pictures);
     let code = exit_code(&found, &output.out);
     output.close(

@@ -2,7 +2,7 @@
 
 use crate::follow::record::Direction;
 use crate::follow::walk::Push;
-use crate::plot::colours::Colours;
+use crate::plot::style::Colours;
 use crate::scene::Scene;
 use crate::scene::edit::Follows;
 use crate::scene::part::Strategy;
@@ -69,6 +69,8 @@ pub enum Action {
     ToggleHelp,
     /// Light, dark, or as the desktop has it.
     SetTheme(ThemePreference),
+    /// Click at a snap, or do not.
+    SetClick(bool),
     /// Fit the plot's axes to the data.
     FitData,
     /// Fit the plot's axes to the scene.
@@ -376,8 +378,6 @@ pub struct ViewOptions {
     pub scales: Scales,
     /// Lecture mode.
     pub lecture: bool,
-    /// Click at a snap.
-    pub click: bool,
 }
 
 impl Default for ViewOptions {
@@ -394,7 +394,6 @@ impl Default for ViewOptions {
             speed: Speed::default(),
             scales: Scales::default(),
             lecture: false,
-            click: false,
         }
     }
 }

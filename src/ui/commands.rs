@@ -2,7 +2,7 @@
 //! keyboard.
 
 use super::action::{Action, FileTask, KeepFrom, LessonAct, ProfileLine, ViewOptions};
-use super::flick;
+use super::grip;
 use super::machine::{self, Told};
 use super::tabs::Tabs;
 use super::toolbar::SPEEDS;
@@ -10,7 +10,7 @@ use super::view_state::ViewState;
 use super::widgets;
 use crate::lessons;
 use crate::physics::law::Shape;
-use crate::plot::colours::Colours;
+use crate::plot::style::Colours;
 use crate::scene::edit;
 use crate::scene::part::Strategy;
 use crate::solver::methods::MethodKind;
@@ -134,7 +134,7 @@ fn pushes(state: &ViewState) -> [Command; 2] {
     [("bump", 1.0), ("dimple", -1.0)].map(|(what, sign)| Command {
         name: format!("Push: press a {what} into the middle and let go"),
         keys: "",
-        actions: flick::command(state, sign),
+        actions: grip::press_command(state, sign),
     })
 }
 
@@ -180,6 +180,7 @@ fn files() -> impl Iterator<Item = Command> {
 /// What changes how things are shown.
 fn views(state: &ViewState) -> Vec<Command> {
     let one = Command::new;
+    let click = state.messages.click;
     let view = Action::SetView;
     let on = |what: &str, is: bool| format!("{} {what}", if is { "Hide" } else { "Show" });
     vec![
@@ -206,16 +207,13 @@ fn views(state: &ViewState) -> Vec<Command> {
             Action::SetTheme(ThemePreference::System),
         ),
         one(
-            if state.view.click {
+            if click {
                 "No click at a snap"
             } else {
                 "Click at a snap"
             },
             "",
-            view(ViewOptions {
-                click: !state.view.click,
-                ..state.view
-            }),
+            Action::SetClick(!click),
         ),
         one("Lecture mode", "F11", Action::ToggleLecture),
         one("Restore layout", "", Action::RestoreLayout),

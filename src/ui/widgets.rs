@@ -1,6 +1,7 @@
 //! What panels are made of: numbers as people type them and the fields they are typed into, buttons
 //! and pictures with a name, jobs under way.
 
+use super::action::Action;
 use super::theme::{self, Palette};
 use super::words::{explain, explain_parameter};
 use crate::physics::parameter::{Dimension, Parameter, Value, number as plain};
@@ -9,8 +10,8 @@ use crate::scene::{Model, Scene};
 use crate::worker::job::Job;
 use egui::emath::format_with_decimals_in_range;
 use egui::{
-    Align, Align2, Context, DragValue, FontId, Id, Label, Layout, Painter, ProgressBar, Rect,
-    Response, Role, Sense, Stroke, StrokeKind, Tooltip, Ui, Vec2, WidgetInfo, WidgetText, pos2,
+    Align, Align2, DragValue, FontId, Id, Label, Layout, Painter, ProgressBar, Rect, Response,
+    Role, Sense, Stroke, StrokeKind, Tooltip, Ui, Vec2, WidgetInfo, WidgetText, pos2,
 };
 use std::cell::RefCell;
 use std::ops::RangeInclusive;
@@ -189,60 +190,56 @@ pub fn card(
     response
 }
 
-/// A value with a name.
+/// A value with a name; a double click on the name brings back what it is in the scene that was
+/// opened.
 pub fn number(
     ui: &mut Ui,
+    actions: &mut Vec<Action>,
     parameter: &Parameter,
     value: f64,
     range: RangeInclusive<f64>,
     unit: &str,
 ) -> Option<f64> {
-    let name = parameter.title();
     let suffix = if unit.is_empty() {
         String::new()
     } else {
         format!(" {unit}")
     };
     let entry = Entry {
-        name: &name,
+        name: &parameter.title(),
         value,
         range,
         speed: (value.abs() * 0.005).max(1e-4),
         decimals: 6,
         suffix: &suffix,
     };
+    entered(ui, actions, parameter, entry)
+}
+
+/// The row of a parameter's field.
+fn entered(
+    ui: &mut Ui,
+    actions: &mut Vec<Action>,
+    parameter: &Parameter,
+    entry: Entry<'_>,
+) -> Option<f64> {
     let mut entered = None;
     let explained = |response| explain_parameter(response, parameter);
-    let label = row(ui, name.as_str(), explained, |ui| {
+    let label = row(ui, entry.name, explained, |ui| {
         let (value, response) = entry.show(ui);
         entered = value;
         response
     });
-    ask_back(&label, parameter);
-    entered
-}
-
-/// A double click on the name of a number asks for what it is in the scene that was opened.
-fn ask_back(label: &Response, parameter: &Parameter) {
     if label.double_clicked() {
-        label
-            .ctx
-            .data_mut(|data| data.insert_temp(asked_back(), parameter.key));
+        actions.push(Action::BringBack(parameter.key));
     }
-}
-
-fn asked_back() -> Id {
-    Id::unique("number_asked_back")
-}
-
-/// The key of the number that was asked back in this frame.
-pub fn take_asked_back(ctx: &Context) -> Option<&'static str> {
-    ctx.data_mut(|data| data.remove_temp(asked_back()))
+    entered
 }
 
 /// The same of a number with E* = 1, which is shown as the scene's file gives it.
 pub fn given(
     ui: &mut Ui,
+    actions: &mut Vec<Action>,
     scene: &Scene,
     parameter: &Parameter,
     value: f64,
@@ -254,13 +251,14 @@ pub fn given(
         word.replace("um", "µm").replace("uJ", "µJ")
     });
     let shown = scene.number_given(of, value);
-    number(ui, parameter, shown, range, &word).map(|new| scene.number_taken(of, new))
+    number(ui, actions, parameter, shown, range, &word).map(|new| scene.number_taken(of, new))
 }
 
 /// What only a law or a ground has, lengths as those of the gap; `None` while nothing is edited. A value that
 /// is refused beside the others is said to be by the scene.
 pub fn own(
     ui: &mut Ui,
+    actions: &mut Vec<Action>,
     parameters: &[Parameter],
     values: &[Value],
     model: &Model,
@@ -277,18 +275,25 @@ pub fn own(
         let most = (high as u64).min(SEED_MAX);
         match value {
             Value::Number(x) => {
-                *x = number(ui, parameter, *x / unit, low / unit..=high / unit, word)
+                let range = low / unit..=high / unit;
+                *x = number(ui, actions, parameter, *x / unit, range, word)
                     .map_or(*x, |new| new * unit);
             }
             Value::Whole(n) => {
                 let named = (parameter, &*parameter.title());
-                *n = whole(ui, named, *n, low as u64..=most).unwrap_or(*n);
+                *n = whole(ui, actions, named, *n, low as u64..=most).unwrap_or(*n);
             }
             Value::Counts(both) => {
                 for (count, axis) in both.iter_mut().zip(["x", "y"]) {
                     let name = format!("{} along {axis}", parameter.label);
-                    *count = whole(ui, (parameter, &name), *count as u64, low as u64..=most)
-                        .map_or(*count, |new| new as usize);
+                    *count = whole(
+                        ui,
+                        actions,
+                        (parameter, &name),
+                        *count as u64,
+                        low as u64..=most,
+                    )
+                    .map_or(*count, |new| new as usize);
                 }
             }
             Value::Flag(flag) => {
@@ -316,6 +321,7 @@ pub fn own(
 /// The same for a whole number, at most [`SEED_MAX`], under this name.
 pub fn whole(
     ui: &mut Ui,
+    actions: &mut Vec<Action>,
     (parameter, name): (&Parameter, &str),
     value: u64,
     range: RangeInclusive<u64>,
@@ -328,15 +334,7 @@ pub fn whole(
         decimals: 0,
         suffix: "",
     };
-    let mut entered = None;
-    let explained = |response| explain_parameter(response, parameter);
-    let label = row(ui, name, explained, |ui| {
-        let (value, response) = entry.show(ui);
-        entered = value;
-        response
-    });
-    ask_back(&label, parameter);
-    entered.map(|value| value as u64)
+    entered(ui, actions, parameter, entry).map(|value| value as u64)
 }
 
 /// A name on the left, and on the right what it names.

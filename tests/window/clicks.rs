@@ -28,7 +28,7 @@ fn a_snap_clicks_once_where_that_is_wanted_and_nothing_clicks_at_first() {
     bench.jump(3.1);
     assert_eq!(clicks(&mut bench), 0);
     bench.click("Click at a snap");
-    assert!(bench.state().view.click);
+    assert!(bench.state().messages.click);
     bench.reach(3.0, Direction::Approach);
     assert_eq!(clicks(&mut bench), 0, "nothing snapped");
     bench.jump(2.9);
@@ -75,7 +75,7 @@ fn where_nothing_plays_sounds_it_is_said_once_and_nothing_is_tried_any_more() {
         names.contains("no click at a snap: no player is there"),
         "{names}"
     );
-    assert!(!bench.state().view.click);
+    assert!(!bench.state().messages.click);
     bench.jump(2.9);
     assert_eq!(clicks(&mut bench), 1);
 }
@@ -85,7 +85,7 @@ fn the_click_is_kept_between_two_sittings_and_survives_restore_layout() {
     let mut bench = Bench::new();
     switch(&mut bench);
     bench.click("Restore layout");
-    assert!(bench.state().view.click);
+    assert!(bench.state().messages.click);
     let mut memory = Memory::default();
     bench.window.state_mut().save(&mut memory);
     let mut next = Bench::new();
@@ -101,5 +101,5 @@ fn the_click_is_kept_between_two_sittings_and_survives_restore_layout() {
     next.window.state_mut().save(&mut memory);
     let mut last = Bench::new();
     last.window.state_mut().resume(&ctx, &memory);
-    assert!(!last.state().view.click);
+    assert!(!last.state().messages.click);
 }

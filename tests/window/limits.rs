@@ -8,7 +8,7 @@ use std::path::Path;
 use std::time::{Duration, Instant};
 use tackscope::follow::record::Direction;
 use tackscope::physics::indenter::{Hertz, Indenter, Wave};
-use tackscope::plot::colours::Colours;
+use tackscope::plot::style::Colours;
 use tackscope::scene::{Range, Scene, Turn};
 use tackscope::storage::{files, picture, presets, scene_file};
 

@@ -7,7 +7,7 @@ use egui::{Rect, vec2};
 use egui_kittest::Harness;
 use egui_kittest::kittest::{NodeT, Queryable};
 use std::sync::Arc;
-use tackscope::plot::colours::Colours;
+use tackscope::plot::style::Colours;
 use tackscope::scene::Points;
 use tackscope::ui::App;
 

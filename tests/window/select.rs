@@ -5,7 +5,7 @@ use egui::epaint::{ClippedShape, Shape};
 use egui::{Key, Modifiers, OutputCommand};
 use egui_kittest::kittest::Queryable;
 use tackscope::follow::record::Direction;
-use tackscope::plot::colours::Colours;
+use tackscope::plot::style::Colours;
 use tackscope::storage::scene_file;
 use tackscope::ui::theme;
 

@@ -3,8 +3,8 @@
 
 use super::{Tab, Title, Update, small, under_way};
 use crate::physics::parameter::{Parameter, Value};
-use crate::plot::map_panel::{loop_of, map_panels};
 use crate::plot::panel::{Colour, Panel, Series, Symbol};
+use crate::plot::study_panel::{loop_of, map_panels};
 use crate::scene::{Scene, edit, parameter};
 use crate::study::map::{PatternMap, Row, Vary};
 use crate::ui::action::Action;

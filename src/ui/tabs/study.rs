@@ -5,7 +5,7 @@ use super::map::Around;
 use super::{Tab, Title, Update};
 use crate::physics::parameter::{Parameter, Value, number};
 use crate::plot::panel::Panel;
-use crate::plot::sweep_panel::panel;
+use crate::plot::study_panel::sweep_panel;
 use crate::scene::units::fixed;
 use crate::scene::{edit, parameter};
 use crate::study::axis::{Spacing, Span, grid};
@@ -324,7 +324,7 @@ impl Running {
         let (name, title) = QUANTITIES[quantity];
         let names = [self.study.keys[0].clone(), name.to_owned()];
         let (.., panel) = self.drawn.get_or_insert_with(|| {
-            let mut panel = panel(&self.study, &rows, &names);
+            let mut panel = sweep_panel(&self.study, &rows, &names);
             panel.y.label = title.to_owned();
             (rows.clone(), quantity, panel)
         });
