@@ -4,7 +4,7 @@
 //! parameter; and beside it what the loop loses.
 
 use super::loop_panel::place;
-use super::panel::{Along, Area, Axis, Colour, Label, Page, Panel, Role, Series, Symbol};
+use super::panel::{Along, Area, Axis, Colour, Label, Page, Panel, Role, Series, Spread, Symbol};
 use super::scale::ends;
 use crate::follow::record::Direction;
 use crate::physics::body::Body;
@@ -146,10 +146,12 @@ fn others(study: &Study, row: &Row, x: &str) -> String {
 
 fn axis(name: &str, values: &[f64]) -> Axis {
     let label = parameter::find(name).map_or_else(|| name.replace('_', " "), Parameter::title);
-    Axis {
-        logarithmic: is_logarithmic(values),
-        ..Axis::linear(&label)
-    }
+    let spread = if is_logarithmic(values) {
+        Axis::logarithmic
+    } else {
+        Axis::linear
+    };
+    spread(&label)
 }
 
 /// All values of a number that goes.
@@ -164,7 +166,7 @@ fn shown(way: &[f64], axis: &Axis) -> Option<[f64; 2]> {
     let room = MARGIN * (high - low);
     let factor = (high / low).powf(MARGIN);
     (low < high).then(|| {
-        if axis.logarithmic {
+        if axis.spread == Spread::Logarithmic {
             [low / factor, high * factor]
         } else {
             [low - room, high + room]
@@ -312,10 +314,12 @@ pub fn map_panels(map: &PatternMap, units: Option<Units>) -> [Panel; 3] {
         map.vary.from.min(map.vary.to),
         map.vary.from.max(map.vary.to),
     );
-    let y = Axis {
-        logarithmic: map.vary.is_geometric(),
-        ..Axis::linear(&label).from_to(low, high)
+    let spread = if map.vary.is_geometric() {
+        Axis::logarithmic
+    } else {
+        Axis::linear
     };
+    let y = spread(&label).from_to(low, high);
     let reach = map.rows.iter().flat_map(|row| {
         let legs = row.found.iter().flat_map(|found| found.legs.clone());
         let rho = row.law.map_or(f64::NAN, |law| law.range);

@@ -2,7 +2,9 @@
 
 use super::action::Action;
 use super::view_state::ViewState;
-use super::widgets::{Entry, SEED_MAX, given, labelled, number, own, whole};
+use super::widgets::{
+    Entry, SEED_MAX, checkbox, choosable, given, labelled, number, own, radio, whole,
+};
 use super::words::explain;
 use super::{machine, sliders};
 use crate::physics::body::Body;
@@ -51,7 +53,7 @@ fn mesh_number(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {
     ui.horizontal_wrapped(|ui| {
         explain(ui.label("Follows:"), "Follows");
         for (follows, word) in [(Follows::Range, "range"), (Follows::Mesh, "mesh")] {
-            let radio = ui.radio(state.follows == follows, word);
+            let radio = radio(ui, &state.follows, &follows, word);
             if explain(radio, word).clicked() {
                 actions.push(Action::SetFollows(follows));
             }
@@ -97,7 +99,7 @@ fn mesh(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {
         combo.response
     });
     let mut checked = line;
-    let line = ui.checkbox(&mut checked, "Line cell (uniform along y)");
+    let line = checkbox(ui, &mut checked, "Line cell (uniform along y)");
     if explain(line, "Line cell").changed() {
         let n = model.grid.nx;
         let points = if checked {
@@ -246,11 +248,9 @@ fn models(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {
     ui.horizontal_wrapped(|ui| {
         for (asked, word, why) in models {
             let chosen = state.asked == asked;
-            let radio = ui.radio(chosen, word).on_hover_text(why);
+            let radio = radio(ui, &state.asked, &asked, word).on_hover_text(why);
             let name = format!("Model: {word}");
-            radio.widget_info(|| {
-                egui::WidgetInfo::selected(egui::Role::RadioButton, true, chosen, &name)
-            });
+            choosable(&radio, egui::Role::RadioButton, chosen, &name);
             if radio.clicked() {
                 actions.push(Action::SetStrategy(asked));
             }
@@ -261,7 +261,7 @@ fn models(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {
 fn methods(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {
     explain(ui.label("Method"), "Method");
     for method in MethodKind::ALL {
-        let radio = ui.radio(state.method == method, method.title());
+        let radio = radio(ui, &state.method, &method, method.title());
         if explain(radio, method.title()).clicked() {
             actions.push(Action::SetMethod(method));
         }

@@ -6,7 +6,7 @@ use super::grip;
 use super::machine;
 use super::theme::{self, Palette};
 use super::view_state::ViewState;
-use super::widgets::named;
+use super::widgets::{checkbox, named, radio_value};
 use super::words::explain;
 use crate::follow::record::{JumpRecord, StateRecord};
 use crate::lessons::Hidden;
@@ -63,15 +63,15 @@ pub fn surface(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {
 
 fn options(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {
     let mut view: ViewOptions = state.view;
-    ui.checkbox(&mut view.smooth, "Smooth");
+    checkbox(ui, &mut view.smooth, "Smooth");
     if state.model.indenter == Indenter::Flat {
-        ui.checkbox(&mut view.centred, "Centre the pattern");
+        checkbox(ui, &mut view.centred, "Centre the pattern");
     }
-    ui.checkbox(&mut view.soft_mode, "Soft mode");
+    checkbox(ui, &mut view.soft_mode, "Soft mode");
     ui.separator();
     for (colours, word) in Colours::ALL {
         let words = format!("Colours: {word}");
-        ui.radio_value(&mut view.colours, colours, words);
+        radio_value(ui, &mut view.colours, colours, words);
     }
     if view != state.view {
         actions.push(Action::SetView(view));

@@ -337,7 +337,7 @@ fn live(state: &ViewState) -> Vec<Series> {
     else {
         return Vec::new();
     };
-    let line = joined(live.pieces.iter().map(|(_, points)| points.as_slice()));
+    let line = joined(live.pieces.iter().map(Vec::as_slice));
     let jumps = joined(live.jumps.iter().map(<[[f64; 2]; 2]>::as_slice));
     vec![
         Series::line("live", Role::Forecast, Colour::LIVE, line),

@@ -5,7 +5,7 @@ use super::action::{Action, FileTask, LessonAct, Page, ViewOptions};
 use super::controls;
 use super::theme::{self, Palette};
 use super::view_state::ViewState;
-use super::widgets::named;
+use super::widgets::{checkbox, named, radio};
 use super::words::explain;
 use crate::follow::record::Direction;
 use crate::lessons;
@@ -186,8 +186,7 @@ fn short(speed: Speed) -> &'static str {
 
 fn speeds(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {
     for (speed, short, words) in SPEEDS {
-        let chosen = speed == state.view.speed;
-        if ui.radio(chosen, format!("{short}  {words}")).clicked() {
+        if radio(ui, &state.view.speed, &speed, format!("{short}  {words}")).clicked() {
             let view = state.view;
             actions.push(Action::SetView(ViewOptions { speed, ..view }));
         }
@@ -323,7 +322,7 @@ fn more(ui: &mut Ui, state: &ViewState, room: Room, actions: &mut Vec<Action>) {
     ];
     entries(ui, actions, list);
     let (mut click, what) = (state.messages.click, "Click at a snap");
-    if explain(ui.checkbox(&mut click, what), what).clicked() {
+    if explain(checkbox(ui, &mut click, what), what).clicked() {
         actions.push(Action::SetClick(click));
     }
     let size = theme::LEAST;
@@ -378,7 +377,7 @@ fn cards(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {
                 ui.horizontal(|ui| {
                     for (column, preset) in presets.iter().enumerate() {
                         let index = row * columns + column;
-                        if card(ui, preset, index, opened == Some(preset)) {
+                        if card(ui, preset, index, opened) {
                             actions.push(Action::LoadPreset(index));
                             ui.close();
                         }
@@ -389,7 +388,8 @@ fn cards(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {
 }
 
 /// One scene; true when it was chosen.
-fn card(ui: &mut Ui, preset: &Preset, index: usize, chosen: bool) -> bool {
+fn card(ui: &mut Ui, preset: &Preset, index: usize, opened: Option<&Preset>) -> bool {
+    let chosen = opened == Some(preset);
     let (_, rect) = ui.allocate_space(CARD);
     let response = ui.interact(rect, Id::unique(("gallery", index)), Sense::click());
     let title = plain(preset.title());

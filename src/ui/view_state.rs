@@ -23,7 +23,7 @@ use crate::numerics::cancel::Cancel;
 use crate::physics::indenter::Indenter;
 use crate::physics::parameter::{Dimension, Refusal, Value};
 use crate::physics::theory::flat;
-use crate::plot::curve::{Curve, eigenvalue_scale};
+use crate::plot::curve::Curve;
 use crate::plot::loop_panel::{flat_state, loss};
 use crate::scene::edit::Follows;
 use crate::scene::part::Strategy;
@@ -483,11 +483,9 @@ impl ViewState {
         self.run.direction = state.direction;
         self.hint_after_state(&state);
         self.run.curve.push(&state, &self.model.law);
-        self.run.stiffness.push_with(
-            &state,
-            &self.model.law,
-            eigenvalue_scale(state.stiffness_min),
-        );
+        let law = &self.model.law;
+        let stiffness = &mut self.run.stiffness;
+        stiffness.push_with(&state, law, state.stiffness_min);
         if self.run.record.states.len() >= STATES_MAX {
             self.run.record.states.drain(..STATES_MAX / 4);
             self.run.store.forgotten += STATES_MAX / 4;

@@ -10,8 +10,8 @@ use crate::scene::{Model, Scene};
 use crate::worker::job::Job;
 use egui::emath::format_with_decimals_in_range;
 use egui::{
-    Align, Align2, DragValue, FontId, Id, Label, Layout, Painter, ProgressBar, Rect, Response,
-    Role, Sense, Stroke, StrokeKind, Tooltip, Ui, Vec2, WidgetInfo, WidgetText, pos2,
+    Align, Align2, DragValue, FontId, Id, IntoAtoms, Label, Layout, Painter, ProgressBar, Rect,
+    Response, Role, Sense, Stroke, StrokeKind, Tooltip, Ui, Vec2, WidgetInfo, WidgetText, pos2,
 };
 use std::cell::RefCell;
 use std::ops::RangeInclusive;
@@ -155,9 +155,8 @@ pub fn card(
 ) -> Response {
     let (_, rect) = ui.allocate_space(size);
     let response = ui.interact(rect, Id::unique((group, name)), Sense::click());
-    response.widget_info(|| {
-        WidgetInfo::selected(Role::RadioButton, true, chosen, format!("{group} {name}"))
-    });
+    let named = format!("{group} {name}");
+    choosable(&response, Role::RadioButton, chosen, &named);
     let palette = theme::palette(ui);
     let visuals = ui.style().interact_selectable(&response, chosen);
     let painter = ui.painter().with_clip_rect(rect.intersect(ui.clip_rect()));
@@ -297,7 +296,7 @@ pub fn own(
                 }
             }
             Value::Flag(flag) => {
-                explain_parameter(ui.checkbox(flag, parameter.label), parameter);
+                explain_parameter(checkbox(ui, flag, parameter.label), parameter);
             }
             Value::Choice { chosen, words } => {
                 let explained = |response| explain_parameter(response, parameter);
@@ -362,6 +361,45 @@ fn row(
     .inner
 }
 
+/// Draws boxes and circles of choices with an edge.
+fn edged(ui: &mut Ui, add: impl FnOnce(&mut Ui) -> Response) -> Response {
+    let (plain, edge) = (ui.visuals().widgets.inactive, theme::edge(ui.visuals()));
+    ui.visuals_mut().widgets.inactive.bg_stroke = edge;
+    let response = add(ui);
+    ui.visuals_mut().widgets.inactive = plain;
+    response
+}
+
+/// A box to be ticked.
+pub fn checkbox<'a>(ui: &mut Ui, ticked: &'a mut bool, text: impl IntoAtoms<'a>) -> Response {
+    edged(ui, |ui| ui.checkbox(ticked, text))
+}
+
+/// One of several choices, chosen if its value is the present one.
+pub fn radio<'a, V: PartialEq>(
+    ui: &mut Ui,
+    present: &V,
+    value: &V,
+    text: impl IntoAtoms<'a>,
+) -> Response {
+    edged(ui, |ui| ui.radio(present == value, text))
+}
+
+/// The same, which becomes the present one by a click.
+pub fn radio_value<'a, V: PartialEq>(
+    ui: &mut Ui,
+    present: &mut V,
+    value: V,
+    text: impl IntoAtoms<'a>,
+) -> Response {
+    let mut response = radio(ui, present, &value, text);
+    if response.clicked() && *present != value {
+        *present = value;
+        response.mark_changed();
+    }
+    response
+}
+
 /// Gives a button a name that says more than its face.
 pub fn named(button: Response, name: &str) -> Response {
     named_as(Role::Button, button, name)
@@ -371,6 +409,11 @@ pub fn named(button: Response, name: &str) -> Response {
 pub fn named_as(role: Role, widget: Response, name: &str) -> Response {
     widget.widget_info(|| WidgetInfo::labeled(role, widget.enabled(), name));
     explain(widget, name)
+}
+
+/// Gives something that is chosen or not a name.
+pub fn choosable(widget: &Response, role: Role, chosen: bool, name: &str) {
+    widget.widget_info(|| WidgetInfo::selected(role, true, chosen, name));
 }
 
 /// Says in a sentence what a picture shows.

@@ -38,6 +38,19 @@ pub fn run(scene: &str, out: &Path, more: &[&str]) -> Output {
         .expect("the binary runs")
 }
 
+/// Holds a run to have ended with this code; what it told.
+#[track_caller]
+pub fn ended(output: &Output, code: i32) -> String {
+    let told = errors(output);
+    assert_eq!(output.status.code(), Some(code), "{told}");
+    told
+}
+
+/// What a run wrote to the standard output.
+pub fn said(output: &Output) -> String {
+    String::from_utf8(output.stdout.clone()).expect("UTF-8")
+}
+
 pub fn errors(output: &Output) -> String {
     String::from_utf8(output.stderr.clone()).expect("UTF-8")
 }

@@ -1,6 +1,6 @@
 //! What other programs read and send: scenes through a pipe, fields for numpy, films.
 
-use crate::binary::{errors, fig2_with, folder, run, says, tackscope};
+use crate::binary::{ended, errors, fig2_with, folder, run, said, says, tackscope};
 use ndarray::Array2;
 use npyz::{Deserialize, NpyFile};
 use std::fs::{self, File};
@@ -30,8 +30,8 @@ fn piped(arguments: &[&str], text: &str) -> Output {
 }
 
 fn told(output: &Output) -> String {
-    assert_eq!(output.status.code(), Some(0), "{}", errors(output));
-    String::from_utf8(output.stdout.clone()).expect("UTF-8")
+    ended(output, 0);
+    said(output)
 }
 
 /// A table of a run without its times.
@@ -74,7 +74,7 @@ fn a_refused_scene_from_standard_input_is_named_so() {
     let text = text.replacen("length = 256.0", "length = -1", 1);
     for command in ["run", "diagram", "chart"] {
         let output = piped(&[command, "-", "--out", "nowhere"], &text);
-        assert_eq!(output.status.code(), Some(2));
+        ended(&output, 2);
         let sentence = errors(&output);
         says(&sentence, &["standard input", "cell.length = -1"]);
     }
@@ -181,7 +181,7 @@ fn the_fields_of_every_state_are_in_equilibrium_and_have_its_stress() {
         let out = home.path().join("out");
         let more = ["--model", "whole", "--fields", "all", "--quiet"];
         let output = run(&scene, &out, &more);
-        assert!(output.status.success(), "{}", errors(&output));
+        ended(&output, 0);
         let file = out.join("fields.npz");
         let (shape, gap): (_, Vec<f64>) = array(&file, "gap");
         let u0: Vec<f64> = array(&file, "mean_displacement").1;
@@ -255,8 +255,7 @@ fn every_nth_state_or_those_around_jumps_can_be_kept_instead() {
         assert!(!event || pair[1] == pair[0] + 1, "{states:?}");
     }
     let refused = run("fig2", &home.path().join("no"), &["--fields", "every=0"]);
-    assert_eq!(refused.status.code(), Some(2));
-    assert!(errors(&refused).contains("every=N"), "{}", errors(&refused));
+    says(&ended(&refused, 2), &["every=N"]);
 }
 
 /// The mode is held against the second difference of the energy along it.
@@ -270,7 +269,7 @@ fn the_soft_mode_before_a_jump_has_the_stiffness_of_its_state() {
         let out = home.path().join(model);
         let more = ["--fields", "jumps", "--quiet", "--model", model];
         let output = run(&scene, &out, &more);
-        assert!(output.status.success(), "{}", errors(&output));
+        ended(&output, 0);
         let file = out.join("fields.npz");
         let (shape, modes): (_, Vec<f64>) = array(&file, "soft_mode");
         let of: Vec<i64> = array(&file, "soft_mode_state").1;
@@ -318,7 +317,7 @@ fn the_fields_of_a_diagram_are_in_equilibrium_on_every_branch() {
         .arg(&out)
         .output()
         .expect("the binary runs");
-    assert!(output.status.success(), "{}", errors(&output));
+    ended(&output, 0);
     let file = out.join("fields.npz");
     let branches: Vec<String> = array(&file, "branches").1;
     assert!(branches.len() >= 4, "{branches:?}");
@@ -384,7 +383,7 @@ fn the_lines_of_python_in_the_readme_find_every_state_in_equilibrium() {
         "--points", "32", "--step", "0.2", "--model", "whole", "--fields", "all",
     ];
     let output = run("fig2", &home.path().join("results"), &more);
-    assert!(output.status.success(), "{}", errors(&output));
+    ended(&output, 0);
     let output = python(&lines.join("\n"), home.path()).expect("it runs");
     let found = String::from_utf8_lossy(&output.stdout).trim().to_owned();
     let residual: f64 = found

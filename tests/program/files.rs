@@ -1,7 +1,7 @@
 //! What the program does to files, folders and streams that are not as it would like them.
 #![cfg(unix)]
 
-use crate::binary::{Running, errors, fig2_with, folder, run, says, summary, tackscope};
+use crate::binary::{Running, ended, errors, fig2_with, folder, run, says, summary, tackscope};
 use std::fs::{self, File};
 use std::os::unix::fs::{FileTypeExt, PermissionsExt, symlink};
 use std::path::Path;
@@ -54,8 +54,7 @@ fn one_file_that_cannot_be_written_does_not_keep_the_others() {
     symlink(&pipe, out.join("events.csv")).expect("linked");
     symlink(home.path().join("nowhere/gone.csv"), out.join("loop.csv")).expect("linked");
     let output = quick(&out);
-    let told = errors(&output);
-    assert_eq!(output.status.code(), Some(2), "{told}");
+    let told = ended(&output, 2);
     says(
         &told,
         &[
@@ -80,11 +79,9 @@ fn what_is_read_only_is_refused_before_anything_is_computed_or_removed() {
     fs::write(&events, "mine").expect("written");
     fs::set_permissions(&events, fs::Permissions::from_mode(0o444)).expect("set");
     let output = run("no-hysteresis", home.path(), &["--points", "8"]);
-    assert_eq!(output.status.code(), Some(2));
-    assert!(
-        errors(&output).contains("events.csv: cannot be written (it is read-only"),
-        "{}",
-        errors(&output)
+    says(
+        &ended(&output, 2),
+        &["events.csv: cannot be written (it is read-only"],
     );
     assert_eq!(fs::read_to_string(&events).expect("there"), "mine");
     assert_eq!(
@@ -192,14 +189,13 @@ fn an_earlier_run_is_gone_when_the_next_one_begins_and_that_is_said() {
             .arg(home.path())
             .output()
             .expect("runs");
-        let told = errors(&output);
-        assert_eq!(output.status.code(), Some(2), "{told}");
-        assert!(
-            told.contains(&format!(
+        let told = ended(&output, 2);
+        says(
+            &told,
+            &[&format!(
                 "another tackscope (process {}) is writing into it",
                 running.id()
-            )),
-            "{told}"
+            )],
         );
         assert_eq!(told.lines().count(), 1, "{told}");
     }
@@ -251,8 +247,7 @@ fn a_full_disk_is_noticed_before_the_computation() {
         .args(["-c", &command])
         .output()
         .expect("sh runs");
-    let told = errors(&output);
-    assert_eq!(output.status.code(), Some(2), "{told}");
+    let told = ended(&output, 2);
     assert!(
         told.contains("cannot be written")
             && told.contains("MB are needed")
@@ -422,7 +417,7 @@ fn a_tilde_that_no_shell_has_replaced_is_the_home_folder_or_refused() {
             .expect("runs")
     };
     let output = go("~/mine.toml", "~/results");
-    assert_eq!(output.status.code(), Some(0), "{}", errors(&output));
+    ended(&output, 0);
     assert_eq!(summary(&home.path().join("results"))["stop"], "completed");
     for (scene, out) in [
         ("fig2", "~nobody/results"),
@@ -430,18 +425,13 @@ fn a_tilde_that_no_shell_has_replaced_is_the_home_folder_or_refused() {
         ("fig2", ""),
     ] {
         let output = go(scene, out);
-        assert_eq!(output.status.code(), Some(2));
-        let told = errors(&output);
-        assert!(
-            told.contains("write the path out")
-                || told.contains("give the path")
-                || told.contains("required"),
-            "{told}"
-        );
+        let told = ended(&output, 2);
+        let mends = ["write the path out", "give the path", "required"];
+        assert!(mends.iter().any(|words| told.contains(words)), "{told}");
     }
     assert_eq!(fs::read_dir(place.path()).expect("listed").count(), 0);
     let output = go("fig2", "./~");
-    assert_eq!(output.status.code(), Some(0), "{}", errors(&output));
+    ended(&output, 0);
     assert!(
         place.path().join("~").is_dir(),
         "a name that begins so can be had"
@@ -458,14 +448,8 @@ fn a_budget_that_is_none_is_refused_before_anything_is_made() {
             .arg(&out)
             .output()
             .expect("runs");
-        let told = errors(&output);
-        assert_eq!(output.status.code(), Some(2), "{told}");
-        assert!(
-            told.contains("--seconds")
-                && told.contains(seconds)
-                && told.contains("a number above 0"),
-            "{told}"
-        );
+        let told = ended(&output, 2);
+        says(&told, &["--seconds", seconds, "a number above 0"]);
         assert!(!out.exists());
     }
 }

@@ -1,7 +1,7 @@
 //! Height files of every format through the reader to a loop; and built-in ground that is written to
 //! a file and read back.
 
-use crate::binary::{errors, says, tackscope};
+use crate::binary::{ended, said, says, tackscope};
 use crate::height_formats::*;
 use ndarray::Array2;
 use std::fs;
@@ -182,8 +182,7 @@ fn the_law_of_figure_14_measured_on_a_file_is_that_of_the_ground_it_was_written_
             .args(["figure", figure, "--scene", scene, "--out", &out])
             .output()
             .unwrap();
-        assert_eq!(refused.status.code(), Some(2));
-        assert!(errors(&refused).contains(words), "{}", errors(&refused));
+        says(&ended(&refused, 2), &[words]);
     }
 }
 
@@ -387,7 +386,7 @@ fn looked_at(what: &str, out: &Path, more: &[&str]) -> serde_json::Value {
     let mut command = tackscope();
     command.args(["ground", what, "--out"]).arg(out).args(more);
     let output = command.output().expect("the binary runs");
-    assert_eq!(output.status.code(), Some(0), "{}", errors(&output));
+    ended(&output, 0);
     for name in ["ground.svg", "ground.png", "spectrum.csv", "heights.csv"] {
         assert!(out.join(name).exists(), "{name}");
     }
@@ -411,12 +410,7 @@ fn the_ground_of_a_scene_is_looked_at_and_what_it_writes_is_a_height_file() {
     flat.args(["ground", "fig2", "--out"])
         .arg(home.path().join("flat"));
     let output = flat.output().expect("the binary runs");
-    assert_eq!(output.status.code(), Some(2));
-    assert!(
-        errors(&output).contains("indenter.kind"),
-        "{}",
-        errors(&output)
-    );
+    says(&ended(&output, 2), &["indenter.kind"]);
 }
 
 #[test]
@@ -431,11 +425,8 @@ fn a_scene_from_standard_input_finds_its_file_from_the_working_folder() {
         .current_dir(home.path())
         .stdin(scene);
     let output = command.output().expect("the binary runs");
-    assert_eq!(output.status.code(), Some(0), "{}", errors(&output));
-    let printed = String::from_utf8(output.stdout).unwrap();
+    ended(&output, 0);
+    let printed = said(&output);
     let path = fs::canonicalize(home.path()).unwrap().join("m.csv");
-    assert!(
-        printed.contains(&format!("file = \"{}\"", path.display())),
-        "{printed}"
-    );
+    says(&printed, &[&format!("file = \"{}\"", path.display())]);
 }

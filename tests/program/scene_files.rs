@@ -22,11 +22,22 @@ fn fig2() -> &'static str {
 fn refusal(line: &str, replacement: &str) -> String {
     let text = fig2();
     assert!(text.contains(line), "fig2 has the line {line}");
-    let failure =
-        scene_file::parse(&text.replacen(line, replacement, 1), NAME).expect_err("refused");
-    let sentence = failure.to_string();
+    let sentence = why(&text.replacen(line, replacement, 1));
     assert!(sentence.starts_with(NAME), "{sentence}");
     sentence
+}
+
+/// Why a text is refused.
+#[track_caller]
+fn why(text: &str) -> String {
+    let refused = scene_file::parse(text, NAME).expect_err("refused");
+    refused.to_string()
+}
+
+/// The refusal of Fig. 2 with one line replaced names each of these parts.
+#[track_caller]
+fn refused(line: &str, replacement: &str, parts: &[&str]) {
+    says(&refusal(line, replacement), parts);
 }
 
 #[test]
@@ -117,89 +128,97 @@ fn what_may_be_left_out_has_its_default() {
 
 #[test]
 fn an_unknown_key_is_refused_with_the_allowed_ones_and_a_guess() {
-    says(
-        &refusal("length = 256.0", "lenght = 256.0"),
+    refused(
+        "length = 256.0",
+        "lenght = 256.0",
         &["cell.lenght", "did you mean length", "length, points"],
     );
-    says(
-        &refusal("[noise]", "[nose]"),
+    refused(
+        "[noise]",
+        "[nose]",
         &["nose", "did you mean noise", "cell, body, law, indenter"],
     );
-    says(
-        &refusal("range = 1.0", "range = 1.0\nm = 8.0"),
+    refused(
+        "range = 1.0",
+        "range = 1.0\nm = 8.0",
         &["law.m", "kind, surface_energy, range, mu_rho"],
     );
-    says(
-        &refusal("kind = \"flat\"", "kind = \"flat\"\nradius = 1.0"),
+    refused(
+        "kind = \"flat\"",
+        "kind = \"flat\"\nradius = 1.0",
         &["indenter.radius"],
     );
 }
 
 #[test]
 fn a_wrong_type_is_refused_with_key_value_and_what_is_allowed() {
-    says(
-        &refusal("length = 256.0", "length = \"long\""),
+    refused(
+        "length = 256.0",
+        "length = \"long\"",
         &[
             "cell.length = \"long\"",
             "allowed is a finite number above 0",
             "from 1e-110 to 1e110",
         ],
     );
-    says(&refusal("title = ", "title = 3 #"), &["title = 3", "text"]);
-    let failure = scene_file::parse("format = 1\ncell = 3\n", NAME).expect_err("no table");
+    refused("title = ", "title = 3 #", &["title = 3", "text"]);
     says(
-        &failure.to_string(),
+        &why("format = 1\ncell = 3\n"),
         &["cell = 3", "allowed is a table, [cell]"],
     );
-    says(
-        &refusal("seed = 1", "seed = -1"),
+    refused(
+        "seed = 1",
+        "seed = -1",
         &["noise.seed = -1", "whole number from 0"],
     );
-    says(
-        &refusal("kind = \"morse\"", "kind = \"cosine\"\nsmooth = 1"),
+    refused(
+        "kind = \"morse\"",
+        "kind = \"cosine\"\nsmooth = 1",
         &["law.smooth = 1", "true or false"],
     );
-    says(
-        &refusal("turn = 0.2", "turn = \"zero\""),
+    refused(
+        "turn = 0.2",
+        "turn = \"zero\"",
         &["drive.turn = \"zero\"", "zero_load"],
     );
 }
 
 #[test]
 fn a_missing_key_or_table_is_named() {
-    says(
-        &refusal("length = 256.0", ""),
+    refused(
+        "length = 256.0",
+        "",
         &["cell.length is missing", "finite number above 0"],
     );
-    says(&refusal("[drive]", "[noise2]"), &["noise2"]);
+    refused("[drive]", "[noise2]", &["noise2"]);
+    refused("format = 1", "", &["format is missing", "format = 1"]);
     says(
-        &refusal("format = 1", ""),
-        &["format is missing", "format = 1"],
-    );
-    let failure = scene_file::parse("format = 1\n", NAME).expect_err("no tables");
-    says(
-        &failure.to_string(),
+        &why("format = 1\n"),
         &[NAME, "[cell] is missing", "length and points"],
     );
 }
 
 #[test]
 fn numbers_that_are_not_finite_or_out_of_range_are_refused() {
-    says(
-        &refusal("length = 256.0", "length = nan"),
+    refused(
+        "length = 256.0",
+        "length = nan",
         &["cell.length = nan", "finite number above 0"],
     );
-    says(&refusal("step = 0.02", "step = inf"), &["drive.step = inf"]);
-    says(
-        &refusal("range = 1.0", "range = -1.0"),
+    refused("step = 0.02", "step = inf", &["drive.step = inf"]);
+    refused(
+        "range = 1.0",
+        "range = -1.0",
         &["law.range = -1", "above 0"],
     );
-    says(
-        &refusal("target = 0.01", "target = 2"),
+    refused(
+        "target = 0.01",
+        "target = 2",
         &["accuracy.target = 2", "below 1"],
     );
-    says(
-        &refusal("turn = 0.2", "turn = 5"),
+    refused(
+        "turn = 0.2",
+        "turn = 5",
         &["drive.turn = 5", "below drive.start = 4.2"],
     );
     for n in [
@@ -213,8 +232,9 @@ fn numbers_that_are_not_finite_or_out_of_range_are_refused() {
         "\"many\"",
         "9999999999999999999",
     ] {
-        says(
-            &refusal("points = 64", &format!("points = {n}")),
+        refused(
+            "points = 64",
+            &format!("points = {n}"),
             &[if n.len() > 9 {
                 "line 10"
             } else {
@@ -234,29 +254,23 @@ fn a_law_has_its_own_keys_and_limits() {
     };
     says(&mie(2, 2), &["law.m = 2", "above law.n = 2"]);
     says(&mie(2, 8), &["law.m = 2", "above law.n = 8"]);
-    says(
-        &refusal("kind = \"morse\"", "kind = \"mie\""),
-        &["law.m is missing"],
-    );
-    says(
-        &refusal(
-            "kind = \"morse\"",
-            "kind = \"double_exponential\"\nratio = 1.0",
-        ),
+    refused("kind = \"morse\"", "kind = \"mie\"", &["law.m is missing"]);
+    refused(
+        "kind = \"morse\"",
+        "kind = \"double_exponential\"\nratio = 1.0",
         &["law.ratio = 1", "below 1"],
     );
-    says(
-        &refusal("kind = \"morse\"", "kind = \"mores\""),
+    refused(
+        "kind = \"morse\"",
+        "kind = \"mores\"",
         &["law.kind = \"mores\"", "\"mie\"", "did you mean morse"],
     );
-    says(
-        &refusal("range = 1.0", "range = 1.0\nmu_rho = 0.5"),
+    refused(
+        "range = 1.0",
+        "range = 1.0\nmu_rho = 0.5",
         &["law.mu_rho = 0.5", "not together with law.range"],
     );
-    says(
-        &refusal("range = 1.0", ""),
-        &["law.range is missing", "mu_rho"],
-    );
+    refused("range = 1.0", "", &["law.range is missing", "mu_rho"]);
 }
 
 const ROUGH: &str =
@@ -362,8 +376,9 @@ fn an_indenter_has_its_own_keys_and_limits() {
             "a quarter of the points along a side (16)",
         ],
     );
-    says(
-        &refusal("kind = \"flat\"", "kind = \"wave\"\nperiods = 1"),
+    refused(
+        "kind = \"flat\"",
+        "kind = \"wave\"\nperiods = 1",
         &["indenter.amplitude is missing"],
     );
     let rough = |from, to| refusal("kind = \"flat\"", &ROUGH.replacen(from, to, 1));
@@ -399,8 +414,9 @@ fn an_indenter_has_its_own_keys_and_limits() {
         &rough("rms = 1", "rms = 1\nradius = 2"),
         &["indenter.radius", "hurst, rms, longest, shortest, seed"],
     );
-    says(
-        &refusal("kind = \"flat\"", "kind = \"ruff\""),
+    refused(
+        "kind = \"flat\"",
+        "kind = \"ruff\"",
         &["indenter.kind = \"ruff\"", "\"wave\"", "\"rough\""],
     );
     let line = fig2().replacen("points = 64", "points = [64, 1]", 1);
@@ -410,35 +426,29 @@ fn an_indenter_has_its_own_keys_and_limits() {
         1,
     );
     says(
-        &scene_file::parse(&line, NAME)
-            .expect_err("refused")
-            .to_string(),
+        &why(&line),
         &["indenter.periods = [1, 1]", "along x alone on a line cell"],
     );
 }
 
 #[test]
 fn another_format_is_refused_before_anything_else() {
-    says(
-        &refusal("format = 1", "format = 2\nnew = true"),
+    refused(
+        "format = 1",
+        "format = 2\nnew = true",
         &["format = 2", "allowed is 1"],
     );
-    says(
-        &refusal("format = 1", "format = \"1\""),
-        &["format = \"1\""],
-    );
+    refused("format = 1", "format = \"1\"", &["format = \"1\""]);
 }
 
 #[test]
 fn a_syntax_error_names_line_and_column() {
-    says(
-        &refusal("length = 256.0", "length = = 3"),
+    refused(
+        "length = 256.0",
+        "length = = 3",
         &["line 9", "column 10", "not TOML"],
     );
-    says(
-        &refusal("points = 64", "length = 256.0"),
-        &["line 10", "duplicate"],
-    );
+    refused("points = 64", "length = 256.0", &["line 10", "duplicate"]);
 }
 
 #[test]
@@ -714,69 +724,39 @@ const MEASURED: &str = "kind = \"measured\"\nfile = \"tests/data/heights.csv\"\n
 
 /// A scene that gives the number `parameter`, and the text in its file that is the number.
 fn giving(parameter: &Parameter) -> (String, String) {
-    let (mut text, mut line) = (fig2().to_owned(), format!("{} = ", parameter.name()));
-    let replaced = |text: String, from: &str, to: &str| text.replacen(from, to, 1);
-    match parameter.key {
-        "law.mu_rho" => text = replaced(text, "range = 1.0", "mu_rho = 0.5"),
-        "law.m" | "law.n" => {
-            text = replaced(text, "kind = \"morse\"", "kind = \"mie\"\nm = 8.0\nn = 2.0");
-        }
-        "law.smooth" => {
-            text = replaced(
-                text,
-                "kind = \"morse\"",
-                "kind = \"cosine\"\nsmooth = false",
-            );
-        }
-        "drive.stiffness" => {
-            text = replaced(
-                text,
-                "[drive]",
-                "[drive]\ncontrol = \"spring\"\nstiffness = 0.1",
-            );
-        }
-        "law.ratio" => {
-            text = replaced(
-                text,
-                "kind = \"morse\"",
-                "kind = \"double_exponential\"\nratio = 0.4",
-            );
-        }
-        "indenter.radius" => {
-            text = replaced(text, "kind = \"flat\"", "kind = \"hertz\"\nradius = 30.0");
-        }
+    let flat = "kind = \"flat\"";
+    let morse = "kind = \"morse\"";
+    let (from, to) = match parameter.key {
+        "law.mu_rho" => ("range = 1.0", "mu_rho = 0.5"),
+        "law.m" | "law.n" => (morse, "kind = \"mie\"\nm = 8.0\nn = 2.0"),
+        "law.smooth" => (morse, "kind = \"cosine\"\nsmooth = false"),
+        "law.ratio" => (morse, "kind = \"double_exponential\"\nratio = 0.4"),
+        "drive.stiffness" => ("[drive]", "[drive]\ncontrol = \"spring\"\nstiffness = 0.1"),
+        "indenter.radius" => (flat, "kind = \"hertz\"\nradius = 30.0"),
         "indenter.amplitude" | "indenter.periods" => {
-            text = replaced(
-                text,
-                "kind = \"flat\"",
-                "kind = \"wave\"\namplitude = 0.5\nperiods = 1",
-            );
+            (flat, "kind = \"wave\"\namplitude = 0.5\nperiods = 1")
         }
-        "indenter.seed" => {
-            text = replaced(text, "kind = \"flat\"", ROUGH);
-            line = "seed = 3".to_owned();
-        }
-        "body.contact_modulus" | "units.temperature" => {
-            text = replaced(
-                text,
-                "[law]",
-                "[body]\nkind = \"half_space\"\ncontact_modulus = 2.0\n\n[law]",
-            );
-            text += "\n[units]\nlength = \"um\"\nmodulus = \"MPa\"\ntemperature = 300.0\n";
-        }
-        "body.thickness" | "body.poisson" => {
-            text = replaced(
-                text,
-                "[law]",
-                "[body]\nkind = \"layer\"\nthickness = 32.0\npoisson = 0.4\n\n[law]",
-            );
-        }
-        key if key.starts_with("indenter") && parameter.default.is_some() => {
-            text = replaced(text, "kind = \"flat\"", MEASURED);
-        }
-        key if key.starts_with("indenter") => text = replaced(text, "kind = \"flat\"", ROUGH),
-        _ => {}
+        "body.contact_modulus" | "units.temperature" => (
+            "[law]",
+            "[body]\nkind = \"half_space\"\ncontact_modulus = 2.0\n\n[law]",
+        ),
+        "body.thickness" | "body.poisson" => (
+            "[law]",
+            "[body]\nkind = \"layer\"\nthickness = 32.0\npoisson = 0.4\n\n[law]",
+        ),
+        "indenter.seed" => (flat, ROUGH),
+        key if key.starts_with("indenter") && parameter.default.is_some() => (flat, MEASURED),
+        key if key.starts_with("indenter") => (flat, ROUGH),
+        _ => ("", ""),
+    };
+    let mut text = fig2().replacen(from, to, 1);
+    if to.contains("contact_modulus") {
+        text += "\n[units]\nlength = \"um\"\nmodulus = \"MPa\"\ntemperature = 300.0\n";
     }
+    let line = match parameter.key {
+        "indenter.seed" => "seed = 3".to_owned(),
+        _ => format!("{} = ", parameter.name()),
+    };
     let at = text
         .find(&format!("\n{line}"))
         .unwrap_or_else(|| panic!("{line} is in the file"))
@@ -817,9 +797,7 @@ fn a_number_outside_its_range_is_refused_with_the_range() {
         };
         for value in beyond {
             let changed = text.replacen(&given, &format!("{} = {value}", parameter.name()), 1);
-            let sentence = scene_file::parse(&changed, NAME)
-                .expect_err(&value)
-                .to_string();
+            let sentence = why(&changed);
             // An integer that TOML cannot hold is refused by its parser.
             if value != "9223372036854775808" {
                 says(&sentence, &[parameter.key, &parameter.allowed()]);
@@ -926,9 +904,7 @@ fn more_waves_than_a_mesh_can_have_are_the_waves_fault_and_not_the_ranges() {
             &format!("kind = \"wave\"\namplitude = 0.5\nperiods = {periods}"),
             1,
         );
-        scene_file::parse(&text, NAME)
-            .expect_err("refused")
-            .to_string()
+        why(&text)
     };
     for periods in ["1000000000", "4611686018427387904", "[1, 600]", "513"] {
         says(&wave(periods), &["indenter.periods"]);
@@ -944,19 +920,12 @@ fn a_step_that_moves_nothing_is_refused() {
         1,
     );
     for step in ["1e-18", "1e-8", "1e-7"] {
-        let sentence = scene_file::parse(
-            &text.replacen("step = 0.02", &format!("step = {step}"), 1),
-            NAME,
-        )
-        .expect_err(step)
-        .to_string();
+        let sentence = why(&text.replacen("step = 0.02", &format!("step = {step}"), 1));
         says(&sentence, &["drive.step = 1e-", "at least"]);
     }
-    says(
-        &refusal(
-            "start = 4.2\nturn = 0.2\nstep = 0.02",
-            "start = 1e15\nturn = 999999999999999\nstep = 1e-6",
-        ),
+    refused(
+        "start = 4.2\nturn = 0.2\nstep = 0.02",
+        "start = 1e15\nturn = 999999999999999\nstep = 1e-6",
         &["drive.step", "digits"],
     );
 }

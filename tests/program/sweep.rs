@@ -3,7 +3,7 @@
 //!
 //! `TACKSCOPE_KILLS` says how often a sweep is killed (6 times if not given).
 
-use crate::binary::{Running, errors, folder, says, tackscope};
+use crate::binary::{Running, ended, errors, folder, said, says, tackscope};
 use rand::{Rng, SeedableRng};
 use std::fs;
 use std::path::Path;
@@ -67,7 +67,7 @@ fn a_sweep_that_is_killed_again_and_again_is_row_by_row_the_one_that_is_not() {
     let began = Instant::now();
     let output = sweep(&study, &whole, &["--quiet"]);
     let takes = began.elapsed();
-    assert_eq!(output.status.code(), Some(3), "{}", errors(&output));
+    ended(&output, 3);
     assert!(errors(&output).contains("2 of 14 loops failed, first row 13: law.range = -1"));
     assert_eq!(count(&whole), ROWS);
     let kills: usize =
@@ -88,7 +88,7 @@ fn a_sweep_that_is_killed_again_and_again_is_row_by_row_the_one_that_is_not() {
     }
     assert!(done > 0, "none was killed");
     println!("killed {done} times, with {before} of {ROWS} rows at last");
-    assert_eq!(sweep(&study, &killed, &["--quiet"]).status.code(), Some(3));
+    ended(&sweep(&study, &killed, &["--quiet"]), 3);
     assert_eq!(rows(&killed), rows(&whole));
 }
 
@@ -106,15 +106,12 @@ fn a_request_to_stop_keeps_the_rows_and_the_same_command_goes_on() {
     let (code, told) = going.end();
     let kept = count(&out);
     if code == Some(130) {
-        assert!(
-            told.contains("rows to go; the same command goes on"),
-            "{told}"
-        );
+        says(&told, &["rows to go; the same command goes on"]);
         assert!((4..ROWS).contains(&kept), "{kept}");
     } else {
         assert_eq!(code, Some(3), "it was faster: {told}");
     }
-    assert_eq!(sweep(&study, &out, &["--quiet"]).status.code(), Some(3));
+    ended(&sweep(&study, &out, &["--quiet"]), 3);
     sweep(&study, &whole, &["--quiet"]);
     assert_eq!(rows(&out), rows(&whole));
 }
@@ -133,8 +130,7 @@ fn shards_side_by_side_are_collected_into_the_table_of_one_sweep() {
         assert!(matches!(code, Some(0 | 3)), "{told}");
     }
     let early = sweep(&study, &shared, &["--collect"]);
-    let words = errors(&early);
-    assert_eq!(early.status.code(), Some(3), "{words}");
+    let words = ended(&early, 3);
     // Of the scenes in order, without the two that are there twice, every third.
     assert!(words.contains("4 rows are missing: 2, 5, 8, 13"), "{words}");
     assert_eq!(count(&shared), ROWS - 4);
@@ -145,8 +141,7 @@ fn shards_side_by_side_are_collected_into_the_table_of_one_sweep() {
     assert_eq!(rows(&shared), rows(&whole));
     // Another number of shards finds everything done.
     let again = sweep(&study, &shared, &["--shard", "1/2"]);
-    let said = String::from_utf8(again.stdout).expect("UTF-8");
-    assert!(said.contains("6 loops, 0 of them now"), "{said}");
+    says(&said(&again), &["6 loops, 0 of them now"]);
 }
 
 #[test]
@@ -175,8 +170,7 @@ fn the_same_scene_is_computed_once_and_has_a_row_each_time() {
     let study = write(home.path(), STUDY);
     let out = home.path().join("out");
     let output = sweep(&study, &out, &[]);
-    let said = String::from_utf8(output.stdout).expect("UTF-8");
-    assert!(said.contains("14 loops, 12 of them now"), "{said}");
+    says(&said(&output), &["14 loops, 12 of them now"]);
     let text = rows(&out);
     let after = |row: usize| {
         text.lines()
@@ -189,8 +183,7 @@ fn the_same_scene_is_computed_once_and_has_a_row_each_time() {
     assert_eq!(after(3), after(9));
     assert_ne!(after(3), after(4));
     let again = sweep(&study, &out, &[]);
-    let said = String::from_utf8(again.stdout).expect("UTF-8");
-    assert!(said.contains("14 loops, 0 of them now"), "{said}");
+    says(&said(&again), &["14 loops, 0 of them now"]);
     assert_eq!(rows(&out), text);
 }
 
@@ -202,15 +195,14 @@ fn rows_of_other_scenes_are_left_out_and_another_study_is_refused() {
     sweep(&write(home.path(), &short), &out, &["--quiet"]);
     let shorter = short.replace("[1.2, 1.3]", "[1.3, 1.4]");
     let output = sweep(&write(home.path(), &shorter), &out, &[]);
-    assert!(
-        errors(&output).contains("2 rows of sweep.csv are of other scenes"),
-        "{}",
-        errors(&output)
+    says(
+        &errors(&output),
+        &["2 rows of sweep.csv are of other scenes"],
     );
     assert_eq!(count(&out), 4);
     let other = shorter.replace("\"jumps\", ", "");
     let output = sweep(&write(home.path(), &other), &out, &[]);
-    assert_eq!(output.status.code(), Some(2));
+    ended(&output, 2);
     assert!(errors(&output).contains("a study of other numbers, or with other columns"));
 }
 
@@ -268,7 +260,7 @@ fn a_row_is_the_summary_of_a_run_of_the_same_scene() {
             fs::write(&scene, scene_file::to_text(decided)).expect("written");
             let out = home.path().join("run");
             let ran = crate::binary::run(&scene.display().to_string(), &out, &["--quiet"]);
-            assert_eq!(ran.status.code(), Some(0), "{}", errors(&ran));
+            ended(&ran, 0);
             let told = fs::read_to_string(out.join("summary.json")).expect("summary.json");
             for (name, cell) in NAMES.iter().zip(&row.cells) {
                 same(cell, written(&told, name), name);
@@ -381,8 +373,7 @@ fn an_option_that_means_nothing_is_refused_in_words() {
         ),
     ] {
         let output = sweep(&study, &out, &more);
-        assert_eq!(output.status.code(), Some(2));
-        assert!(errors(&output).contains(part), "{}", errors(&output));
+        says(&ended(&output, 2), &[part]);
     }
 }
 
@@ -395,8 +386,7 @@ fn a_convergence_study_of_a_preset_says_order_limit_and_error_bar() {
         ("step = 0.02", "step = 0.2"),
     ]);
     let output = sweep(&scene, &out, &["--converge", "points"]);
-    let words = errors(&output);
-    assert_eq!(output.status.code(), Some(0), "{words}");
+    let words = ended(&output, 0);
     assert!(words.contains("dissipated_energy: 0.1174"), "{words}");
     let text = fs::read_to_string(out.join("convergence.csv")).expect("convergence.csv");
     assert!(

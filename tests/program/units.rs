@@ -1,7 +1,7 @@
 //! Scenes with units: what their numbers mean, what is written of them, what is refused; and that
 //! scenes without know nothing of it.
 
-use crate::binary::{errors, folder, run, says, summary, tackscope};
+use crate::binary::{ended, errors, folder, run, said, says, summary, tackscope};
 use proptest::prelude::*;
 use std::fs;
 use std::path::Path;
@@ -162,9 +162,9 @@ fn units_that_are_none_are_refused_with_those_that_are() {
     let body = "[body]\nkind = \"half_space\"\ncontact_modulus = 2.0\n\n[law]";
     let failure = scene_file::parse(&text.replacen("[law]", body, 1), "mine.toml");
     let sentence = failure.expect_err("refused").to_string();
-    assert!(
-        sentence.contains("body.contact_modulus = 2.0") && sentence.contains("without [units]"),
-        "{sentence}"
+    says(
+        &sentence,
+        &["body.contact_modulus = 2.0", "without [units]"],
     );
 }
 
@@ -177,10 +177,7 @@ fn the_drive_of_a_load_is_refused_in_its_units() {
     let sentence = scene_file::parse(&load, "mine.toml")
         .expect_err("refused")
         .to_string();
-    assert!(
-        sentence.contains("drive.turn = 0.4") && sentence.contains("drive.start = 0.3"),
-        "{sentence}"
-    );
+    says(&sentence, &["drive.turn = 0.4", "drive.start = 0.3"]);
 }
 
 #[test]
@@ -338,7 +335,7 @@ fn tables(home: &Path, name: &str, text: &str) -> (Vec<Vec<String>>, serde_json:
     let out = home.join(name);
     let more = ["--points", "32", "--quiet"];
     let output = run(&path.display().to_string(), &out, &more);
-    assert_eq!(output.status.code(), Some(0), "{}", errors(&output));
+    ended(&output, 0);
     let rows = fs::read_to_string(out.join("loop.csv")).unwrap();
     // A name with a comma is in quotes, and stands before what is compared from the right.
     let rows = rows
@@ -393,9 +390,8 @@ fn the_scene_is_printed_for_programs_and_whether_it_is_real_for_people() {
         ("fig2", "Largest strain: sigma_max/E* = 0.0750; holds"),
     ] {
         let output = tackscope().args(["scene", name]).output().unwrap();
-        assert_eq!(output.status.code(), Some(0));
-        assert!(errors(&output).contains(real), "{}", errors(&output));
-        let printed = String::from_utf8(output.stdout).unwrap();
+        says(&ended(&output, 0), &[real]);
+        let printed = said(&output);
         let scene = presets::resolve(name).unwrap();
         assert_eq!(parsed(&printed), scene, "all of it was decided");
         assert_eq!(printed.contains("[units]"), name == "rubber");

@@ -4,7 +4,6 @@
 use super::kept::SavedLoop;
 use super::{Curve, Films, KeptLoops, Store, ViewState};
 use crate::follow::record::LoopRecord;
-use crate::plot::curve::eigenvalue_scale;
 use crate::scene::part::Strategy;
 use crate::scene::{Drive, Scene};
 use crate::solver::methods::MethodKind;
@@ -132,7 +131,7 @@ impl ViewState {
         record.jumps.truncate(here.before[1]);
         let (law, run) = (&self.model.law, &mut self.run);
         run.curve = Curve::of(&record, law);
-        run.stiffness = Curve::of_ordinate(&record, law, |s| eigenvalue_scale(s.stiffness_min));
+        run.stiffness = Curve::of_ordinate(&record, law, |s| s.stiffness_min);
         run.record = record;
         run.store = Store::new(states);
         run.films = Films::new(films);
