@@ -12,7 +12,7 @@ use crate::physics::grid::Grid;
 use crate::physics::indenter::{Indenter, Measured};
 use crate::physics::parameter::{Own, Refusal};
 use crate::plot::ticks::digits;
-use crate::plot::{chart_panel, diagram_panel, ground_panel, map_panel};
+use crate::plot::{chart_panel, diagram_panel, ground_panel, study_panel};
 use crate::scene::window;
 use crate::storage::export::{
     write_barriers_csv, write_branches_csv, write_chart_csv, write_ground_json, write_heights_csv,
@@ -176,7 +176,7 @@ pub(super) fn map(arguments: &MapArguments) -> Result<u8, Failure> {
         .map_err(refused)?;
     monitor.finish();
     let [csv, picture, _] = MAP.map(|name| folder.join(name));
-    let pictures = drawing::write_page(&picture, &map_panel::page(&found, &scene));
+    let pictures = drawing::write_page(&picture, &study_panel::map_page(&found, &scene));
     let written = [write_map_csv(&csv, &found)].into_iter().chain(pictures);
     let missing = found.missing().count();
     if let Some((value, why)) = found.missing().next() {

@@ -6,7 +6,7 @@ use super::{
     warn,
 };
 use crate::numerics::cancel::Cancel;
-use crate::plot::sweep_panel;
+use crate::plot::study_panel::sweep_page;
 use crate::storage::export::write_convergence_csv;
 use crate::storage::folder::Folder;
 use crate::storage::journal::{self, Journal, Known, TABLE};
@@ -277,7 +277,7 @@ impl Sweep<'_> {
         if arguments.shard.is_some() {
             return Vec::new();
         }
-        let page = sweep_panel::page(&self.study, rows);
+        let page = sweep_page(&self.study, rows);
         let mut written = drawing::write_page(&folder.join(PICTURES), &page).to_vec();
         if arguments.converge.is_some() {
             let found = convergences(&self.study, rows);

@@ -154,21 +154,6 @@ fn jumped(a: &StateRecord, b: &StateRecord, record: &LoopRecord) -> bool {
     a.direction == b.direction && (low == high || a.pattern != b.pattern) && recorded()
 }
 
-/// Below this magnitude (E*/L) eigenvalues are drawn to a linear scale, above it to a logarithmic
-/// one.
-const LINEAR: f64 = 0.1;
-
-/// Where an eigenvalue (E*/L) stands on its axis: an inverse hyperbolic sine, on which both a soft
-/// pattern and a pressed one are seen.
-pub fn eigenvalue_scale(eigenvalue: f64) -> f64 {
-    (eigenvalue / LINEAR).asinh()
-}
-
-/// The eigenvalue at a place of that axis.
-pub fn eigenvalue_at(place: f64) -> f64 {
-    LINEAR * place.sinh()
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -69,6 +69,42 @@ impl Panel {
     }
 }
 
+/// How values are spread along an axis.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Spread {
+    /// Evenly.
+    #[default]
+    Linear,
+    /// By their logarithms (base 10); values at or below zero are not shown.
+    Logarithmic,
+    /// Evenly below 0.1, on either side of zero by their logarithms beyond: an inverse hyperbolic
+    /// sine.
+    Signed,
+}
+
+/// Below this magnitude a signed axis is linear.
+const LINEAR: f64 = 0.1;
+
+impl Spread {
+    /// A value as it is shown; not finite where it has no place.
+    pub fn shown(self, value: f64) -> f64 {
+        match self {
+            Spread::Linear => value,
+            Spread::Logarithmic => value.log10(),
+            Spread::Signed => (value / LINEAR).asinh(),
+        }
+    }
+
+    /// The value that is shown so.
+    pub fn value(self, shown: f64) -> f64 {
+        match self {
+            Spread::Linear => shown,
+            Spread::Logarithmic => 10f64.powf(shown),
+            Spread::Signed => LINEAR * shown.sinh(),
+        }
+    }
+}
+
 /// An axis.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Axis {
@@ -76,8 +112,8 @@ pub struct Axis {
     pub label: String,
     /// How many of that unit a value of 1 is told as.
     pub unit: f64,
-    /// Logarithmic (values at or below zero are not shown).
-    pub logarithmic: bool,
+    /// How its values are spread.
+    pub spread: Spread,
     /// What is shown; `None` is what the data need.
     pub range: Option<[f64; 2]>,
 }
@@ -87,7 +123,7 @@ impl Default for Axis {
         Self {
             label: String::new(),
             unit: 1.0,
-            logarithmic: false,
+            spread: Spread::Linear,
             range: None,
         }
     }
@@ -114,18 +150,16 @@ impl Axis {
     /// A logarithmic axis that shows what the data need.
     pub fn logarithmic(label: &str) -> Self {
         Self {
-            logarithmic: true,
+            spread: Spread::Logarithmic,
             ..Self::linear(label)
         }
     }
 
-    /// A value as it is shown: its logarithm where the axis is logarithmic. Not finite where it has
-    /// no place.
-    pub fn shown(&self, value: f64) -> f64 {
-        if self.logarithmic {
-            value.log10()
-        } else {
-            value
+    /// One that is linear about zero and logarithmic on both sides of it.
+    pub fn signed(label: &str) -> Self {
+        Self {
+            spread: Spread::Signed,
+            ..Self::linear(label)
         }
     }
 

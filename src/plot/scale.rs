@@ -2,7 +2,7 @@
 //! shows its data; or, of a scene, what is fixed before anything is computed (u0, gap and stress),
 //! so that axes and colours keep their meaning while u0 moves.
 
-use super::panel::{Axis, Panel};
+use super::panel::{Axis, Panel, Spread};
 use crate::physics::indenter::Indenter;
 use crate::scene::window;
 use crate::scene::{Model, Scene};
@@ -25,9 +25,9 @@ const MARGIN: f64 = 0.04;
 /// The scale of an axis.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Scale {
-    /// Its values are shown by their logarithms.
-    pub logarithmic: bool,
-    /// Lower end, as a logarithm (base 10) where it is logarithmic.
+    /// How its values are spread.
+    pub spread: Spread,
+    /// Lower end, as it is shown: a logarithm (base 10) where it is logarithmic.
     pub low: f64,
     /// Upper end, likewise.
     pub high: f64,
@@ -38,7 +38,7 @@ pub struct Scale {
 impl Scale {
     /// The scale of an axis over these data.
     pub fn new(axis: &Axis, data: impl Iterator<Item = f64>) -> Self {
-        let shown = |v: f64| axis.shown(v);
+        let shown = |v: f64| axis.spread.shown(v);
         let given = axis
             .range
             .map(|[low, high]| (shown(low.min(high)), shown(low.max(high))));
@@ -49,10 +49,9 @@ impl Scale {
                 let (low, high) = if low <= high { (low, high) } else { (0.0, 1.0) };
                 let span = high - low;
                 let size = low.abs().max(high.abs());
-                let alone = if axis.logarithmic {
-                    0.5
-                } else {
-                    0.5 * size.max(1e-3)
+                let alone = match axis.spread {
+                    Spread::Linear => 0.5 * size.max(1e-3),
+                    Spread::Logarithmic | Spread::Signed => 0.5,
                 };
                 let room = if span > 1e-9 * size {
                     MARGIN * span
@@ -63,7 +62,7 @@ impl Scale {
             }
         };
         Self {
-            logarithmic: axis.logarithmic,
+            spread: axis.spread,
             low,
             high,
             unit: axis.unit,
@@ -73,7 +72,7 @@ impl Scale {
     /// Both ends as they are told, logarithms where it is logarithmic.
     pub fn told(&self) -> [f64; 2] {
         [self.low, self.high].map(|end| {
-            if self.logarithmic {
+            if self.spread == Spread::Logarithmic {
                 end + self.unit.log10()
             } else {
                 end * self.unit
@@ -81,19 +80,9 @@ impl Scale {
         })
     }
 
-    /// The value as it is shown: its logarithm where the axis is logarithmic. Not finite where it
-    /// has no place.
-    pub fn shown(&self, value: f64) -> f64 {
-        if self.logarithmic {
-            value.log10()
-        } else {
-            value
-        }
-    }
-
     /// Where a value stands, 0 to 1 within the axis; `None` if it has no place on it.
     pub fn place(&self, value: f64) -> Option<f64> {
-        let share = (self.shown(value) - self.low) / (self.high - self.low);
+        let share = (self.spread.shown(value) - self.low) / (self.high - self.low);
         // What is far away is as good as at the edge, and drawers count in small numbers.
         share.is_finite().then(|| share.clamp(-1e4, 1e4))
     }
@@ -104,9 +93,9 @@ impl Scale {
             .is_some_and(|share| (-1e-9..=1.0 + 1e-9).contains(&share))
     }
 
-    /// Where zero stands if it is inside a linear axis.
+    /// Where zero stands if it is inside an axis that shows it.
     pub fn zero(&self) -> Option<f64> {
-        (!self.logarithmic && self.low < 0.0 && self.high > 0.0)
+        (self.spread != Spread::Logarithmic && self.low < 0.0 && self.high > 0.0)
             .then(|| -self.low / (self.high - self.low))
     }
 }

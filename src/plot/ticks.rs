@@ -1,6 +1,7 @@
 //! The ticks of an axis, on short and on long ranges, and a number with the digits that a distance
 //! asks for.
 
+use super::panel::Spread;
 use super::scale::Scale;
 
 /// Ticks wanted along an axis, at least and at most.
@@ -19,11 +20,24 @@ pub struct Tick {
 
 /// The ticks of an axis, and the power of ten by which their numbers are to be multiplied.
 pub fn ticks(scale: &Scale) -> (Vec<Tick>, i32) {
-    if scale.logarithmic {
-        (logarithmic_ticks(scale), 0)
-    } else {
-        linear_ticks(scale)
+    match scale.spread {
+        Spread::Linear => linear_ticks(scale),
+        Spread::Logarithmic => (logarithmic_ticks(scale), 0),
+        Spread::Signed => (signed_ticks(scale), 0),
     }
+}
+
+/// Zero, and powers of ten of either sign.
+fn signed_ticks(scale: &Scale) -> Vec<Tick> {
+    let powers = (-1..=4).map(|k| 10f64.powi(k));
+    let below = powers.clone().rev().map(|power| -power);
+    let all = below.chain([0.0]).chain(powers);
+    let tick = |value: f64| {
+        let at = scale.place(value).filter(|_| scale.shows(value))?;
+        let label = Some(label(value, value.abs()));
+        Some(Tick { at, label })
+    };
+    all.filter_map(tick).collect()
 }
 
 fn linear_ticks(scale: &Scale) -> (Vec<Tick>, i32) {
@@ -241,6 +255,22 @@ mod tests {
                 "100"
             ]
         );
+    }
+
+    #[test]
+    fn a_signed_axis_has_zero_and_powers_of_ten_on_both_sides_in_their_places() {
+        let axis = Axis::signed("").from_to(-0.4, 30.0);
+        let scale = Scale::new(&axis, std::iter::empty());
+        let place = |value: f64| scale.place(value).expect("a place");
+        // Near zero as on a linear axis, far from it as on a logarithmic one.
+        assert!((place(0.002) + place(-0.002) - 2.0 * place(0.0)).abs() < 1e-12);
+        let decades = [place(30.0) - place(3.0), place(3.0) - place(0.3)];
+        assert!((decades[0] / decades[1] - 1.0).abs() < 0.02, "{decades:?}");
+        for value in [-0.3, 0.0, 0.05, 20.0] {
+            let back = axis.spread.value(axis.spread.shown(value));
+            assert!((back - value).abs() < 1e-12, "{back} {value}");
+        }
+        assert_eq!(labels(axis), ["\u{2212}0.1", "0", "0.1", "1", "10"]);
     }
 
     #[test]

@@ -16,7 +16,7 @@ use super::{Failure, files};
 use crate::follow::record::{JumpRecord, StateRecord};
 use crate::paper::figure::{Figure, Finding, Table};
 use crate::physics::parameter::Dimension;
-use crate::plot::panel::{Axis, Content, Panel, Role, letter};
+use crate::plot::panel::{Axis, Content, Panel, Role, Spread, letter};
 use crate::scene::Scene;
 use crate::study::chart::{Chart, Errors, Judged, Point, Reference, Verdict};
 use ndarray::Array2;
@@ -280,7 +280,7 @@ fn one_line(text: &str) -> String {
 }
 
 fn axis(axis: &Axis) -> String {
-    let scale = if axis.logarithmic {
+    let scale = if axis.spread == Spread::Logarithmic {
         " (logarithmic)"
     } else {
         ""

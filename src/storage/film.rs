@@ -3,7 +3,7 @@
 
 use super::picture::SIDE_MIN;
 use super::{Failure, files};
-use crate::plot::colours::Colours;
+use crate::plot::style::Colours;
 use ndarray::Array2;
 use std::borrow::Cow;
 use std::io::{Error, ErrorKind, Write};

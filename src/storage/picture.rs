@@ -6,8 +6,8 @@
 
 use super::{Failure, files, heights, scene_file, session};
 use crate::physics::topography::Topography;
-use crate::plot::colours::Colours;
 use crate::plot::scale::ends;
+use crate::plot::style::Colours;
 use crate::scene::Scene;
 use image::{ImageFormat, Rgb, RgbImage};
 use ndarray::Array2;

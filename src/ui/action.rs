@@ -2,7 +2,7 @@
 
 use crate::follow::record::Direction;
 use crate::follow::walk::Push;
-use crate::plot::colours::Colours;
+use crate::plot::style::Colours;
 use crate::scene::Scene;
 use crate::scene::edit::Follows;
 use crate::scene::part::Strategy;
@@ -69,6 +69,8 @@ pub enum Action {
     ToggleHelp,
     /// Light, dark, or as the desktop has it.
     SetTheme(ThemePreference),
+    /// Click at a snap, or do not.
+    SetClick(bool),
     /// Fit the plot's axes to the data.
     FitData,
     /// Fit the plot's axes to the scene.
@@ -242,22 +244,131 @@ pub enum FileTask {
     ExportFilm(FilmKind),
 }
 
+/// A task with what is said of it.
+pub struct FileRow {
+    /// The task.
+    pub task: FileTask,
+    /// Title of its dialog.
+    pub title: &'static str,
+    /// File name that is offered.
+    pub file_name: &'static str,
+    /// What such a file is.
+    pub kind: &'static str,
+    /// Its word beside the other tasks of its dialog.
+    pub word: &'static str,
+    /// Its name among the commands, and its keys.
+    pub command: [&'static str; 2],
+}
+
+const fn row(
+    task: FileTask,
+    [title, file_name, kind, word]: [&'static str; 4],
+    command: [&'static str; 2],
+) -> FileRow {
+    FileRow {
+        task,
+        title,
+        file_name,
+        kind,
+        word,
+        command,
+    }
+}
+
+const DATA: &str = "Export data";
+const PICTURE: &str = "Export picture";
+const FILM: &str = "Export film";
+
+/// Every task, those that one dialog lets choose between together.
+pub static FILE_TASKS: [&[FileRow]; 5] = {
+    use FileTask::*;
+    const SCENES: &str = "Scene, session, or a picture with its scene";
+    [
+        &[row(
+            OpenScene,
+            ["Open scene", "scene.toml", SCENES, ""],
+            ["Open a scene", "Ctrl+O"],
+        )],
+        &[
+            row(
+                SaveScene,
+                ["Save", "scene.toml", "Scene", "scene"],
+                ["Save the scene", "Ctrl+S"],
+            ),
+            row(
+                SaveSession,
+                [
+                    "Save",
+                    "session.tackscope",
+                    "Session",
+                    "session: with all that was computed",
+                ],
+                ["Save the session", ""],
+            ),
+        ],
+        &[row(
+            OpenHeights,
+            ["Measured ground", "heights.csv", "Heights", ""],
+            ["Open a height file as measured ground", ""],
+        )],
+        &[
+            row(
+                ExportLoopCsv,
+                [DATA, "loop.csv", "CSV", "states (loop.csv)"],
+                ["Export states as CSV", ""],
+            ),
+            row(
+                ExportEventsCsv,
+                [DATA, "events.csv", "CSV", "jumps (events.csv)"],
+                ["Export jumps as CSV", ""],
+            ),
+            row(
+                ExportCurvesCsv,
+                [DATA, "curves.csv", "CSV", "curves of the plot"],
+                ["Export the curves of the plot as CSV", ""],
+            ),
+            row(
+                ExportTabCsv,
+                [DATA, "tab.csv", "CSV", "of the tab"],
+                ["Export the curves of the tab as CSV", ""],
+            ),
+        ],
+        &[
+            row(
+                ExportLoopPng,
+                [PICTURE, "loop.png", "PNG", "stress curve"],
+                ["Export the stress curve as PNG", "S"],
+            ),
+            row(
+                ExportLoopSvg,
+                [PICTURE, "loop.svg", "SVG", "stress curve, SVG"],
+                ["Export the stress curve as SVG", ""],
+            ),
+            row(
+                ExportGapPng,
+                [PICTURE, "gap.png", "PNG", "gap map"],
+                ["Export the gap map as PNG", ""],
+            ),
+            row(
+                ExportFilm(FilmKind::Gif),
+                [FILM, "film.gif", "GIF", "film, GIF"],
+                ["Export the path as a film (GIF)", ""],
+            ),
+            row(
+                ExportFilm(FilmKind::Apng),
+                [FILM, "film.png", "Animated PNG", "film, PNG"],
+                ["Export the path as a film (animated PNG)", ""],
+            ),
+        ],
+    ]
+};
+
 impl FileTask {
-    /// Title of the dialog.
-    pub fn title(self) -> &'static str {
-        match self {
-            FileTask::OpenScene => "Open scene",
-            FileTask::OpenHeights => "Measured ground",
-            FileTask::SaveScene | FileTask::SaveSession => "Save",
-            FileTask::ExportLoopCsv
-            | FileTask::ExportEventsCsv
-            | FileTask::ExportCurvesCsv
-            | FileTask::ExportTabCsv => "Export data",
-            FileTask::ExportLoopPng | FileTask::ExportLoopSvg | FileTask::ExportGapPng => {
-                "Export picture"
-            }
-            FileTask::ExportFilm(_) => "Export film",
-        }
+    /// What is said of it.
+    pub fn row(self) -> &'static FileRow {
+        let mut all = FILE_TASKS.iter().copied().flatten();
+        let row = all.find(|row| row.task == self);
+        row.expect("every task has its row")
     }
 
     /// True if it reads a file, and does not write one.
@@ -265,53 +376,10 @@ impl FileTask {
         matches!(self, FileTask::OpenScene | FileTask::OpenHeights)
     }
 
-    /// File name that is offered.
-    pub fn file_name(self) -> &'static str {
-        match self {
-            FileTask::OpenScene | FileTask::SaveScene => "scene.toml",
-            FileTask::SaveSession => "session.tackscope",
-            FileTask::OpenHeights => "heights.csv",
-            FileTask::ExportLoopCsv => "loop.csv",
-            FileTask::ExportEventsCsv => "events.csv",
-            FileTask::ExportCurvesCsv => "curves.csv",
-            FileTask::ExportTabCsv => "tab.csv",
-            FileTask::ExportLoopPng => "loop.png",
-            FileTask::ExportLoopSvg => "loop.svg",
-            FileTask::ExportGapPng => "gap.png",
-            FileTask::ExportFilm(FilmKind::Gif) => "film.gif",
-            FileTask::ExportFilm(FilmKind::Apng) => "film.png",
-        }
-    }
-
-    /// The two sides of an export, with the words of their choice; empty where there is nothing to
-    /// choose.
-    pub fn variants(self) -> &'static [(FileTask, &'static str)] {
-        match self {
-            FileTask::OpenScene | FileTask::OpenHeights => &[],
-            FileTask::SaveScene | FileTask::SaveSession => &[
-                (FileTask::SaveScene, "scene"),
-                (FileTask::SaveSession, "session: with all that was computed"),
-            ],
-            FileTask::ExportLoopCsv
-            | FileTask::ExportEventsCsv
-            | FileTask::ExportCurvesCsv
-            | FileTask::ExportTabCsv => &[
-                (FileTask::ExportLoopCsv, "states (loop.csv)"),
-                (FileTask::ExportEventsCsv, "jumps (events.csv)"),
-                (FileTask::ExportCurvesCsv, "curves of the plot"),
-                (FileTask::ExportTabCsv, "of the tab"),
-            ],
-            FileTask::ExportLoopPng
-            | FileTask::ExportLoopSvg
-            | FileTask::ExportGapPng
-            | FileTask::ExportFilm(_) => &[
-                (FileTask::ExportLoopPng, "stress curve"),
-                (FileTask::ExportLoopSvg, "stress curve, SVG"),
-                (FileTask::ExportGapPng, "gap map"),
-                (FileTask::ExportFilm(FilmKind::Gif), "film, GIF"),
-                (FileTask::ExportFilm(FilmKind::Apng), "film, PNG"),
-            ],
-        }
+    /// The tasks of its dialog, itself among them; empty where there is nothing to choose.
+    pub fn variants(self) -> &'static [FileRow] {
+        let of_this = |rows: &&[FileRow]| rows.len() > 1 && rows.iter().any(|row| row.task == self);
+        FILE_TASKS.into_iter().find(of_this).unwrap_or_default()
     }
 }
 
@@ -376,8 +444,6 @@ pub struct ViewOptions {
     pub scales: Scales,
     /// Lecture mode.
     pub lecture: bool,
-    /// Click at a snap.
-    pub click: bool,
 }
 
 impl Default for ViewOptions {
@@ -394,7 +460,6 @@ impl Default for ViewOptions {
             speed: Speed::default(),
             scales: Scales::default(),
             lecture: false,
-            click: false,
         }
     }
 }

@@ -2,7 +2,9 @@
 
 use super::action::Action;
 use super::view_state::ViewState;
-use super::widgets::{Entry, SEED_MAX, given, labelled, number, own, whole};
+use super::widgets::{
+    Entry, SEED_MAX, checkbox, choosable, given, labelled, number, own, radio, whole,
+};
 use super::words::explain;
 use super::{machine, sliders};
 use crate::physics::body::Body;
@@ -51,7 +53,7 @@ fn mesh_number(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {
     ui.horizontal_wrapped(|ui| {
         explain(ui.label("Follows:"), "Follows");
         for (follows, word) in [(Follows::Range, "range"), (Follows::Mesh, "mesh")] {
-            let radio = ui.radio(state.follows == follows, word);
+            let radio = radio(ui, &state.follows, &follows, word);
             if explain(radio, word).clicked() {
                 actions.push(Action::SetFollows(follows));
             }
@@ -97,7 +99,7 @@ fn mesh(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {
         combo.response
     });
     let mut checked = line;
-    let line = ui.checkbox(&mut checked, "Line cell (uniform along y)");
+    let line = checkbox(ui, &mut checked, "Line cell (uniform along y)");
     if explain(line, "Line cell").changed() {
         let n = model.grid.nx;
         let points = if checked {
@@ -131,12 +133,19 @@ fn units(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {
     };
     let value = units.contact_modulus;
     let word = units.modulus.word;
-    if let Some(modulus) = number(ui, &parameter::CONTACT_MODULUS, value, 1e-6..=1e6, word) {
+    if let Some(modulus) = number(
+        ui,
+        actions,
+        &parameter::CONTACT_MODULUS,
+        value,
+        1e-6..=1e6,
+        word,
+    ) {
         let scene = edit::with_contact_modulus(scene, model, modulus);
         actions.push(Action::edit(scene));
     }
     let value = units.temperature;
-    if let Some(temperature) = number(ui, &parameter::TEMPERATURE, value, 1.0..=1e4, "K") {
+    if let Some(temperature) = number(ui, actions, &parameter::TEMPERATURE, value, 1.0..=1e4, "K") {
         let units = Units {
             temperature,
             ..units
@@ -150,6 +159,7 @@ fn law(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {
     let (scene, model) = (&state.scene, &state.model);
     if let Some(value) = given(
         ui,
+        actions,
         scene,
         &parameter::SURFACE_ENERGY,
         scene.law.surface_energy,
@@ -158,7 +168,7 @@ fn law(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {
         actions.push(Action::edit(edit::with_surface_energy(scene, model, value)));
     }
     let shape = scene.law.shape;
-    if let Some(values) = own(ui, shape.parameters(), &shape.values(), model) {
+    if let Some(values) = own(ui, actions, shape.parameters(), &shape.values(), model) {
         actions.push(Action::edit(edit::with_shape(
             scene,
             model,
@@ -174,6 +184,7 @@ fn drive(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {
     let far = -1e4..=1e4;
     if let Some(value) = number(
         ui,
+        actions,
         &parameter::START,
         drive.start / unit,
         far.clone(),
@@ -182,24 +193,38 @@ fn drive(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {
         change(state, actions, |scene| scene.drive.start = value * unit);
     }
     if let Turn::At(turn) = drive.turn
-        && let Some(value) = number(ui, &parameter::TURN, turn / unit, far, suffix)
+        && let Some(value) = number(ui, actions, &parameter::TURN, turn / unit, far, suffix)
     {
         change(state, actions, |scene| {
             scene.drive.turn = Turn::At(value * unit);
         });
     }
-    if let Some(value) = number(ui, &parameter::STEP, drive.step / unit, 1e-5..=10.0, suffix) {
+    if let Some(value) = number(
+        ui,
+        actions,
+        &parameter::STEP,
+        drive.step / unit,
+        1e-5..=10.0,
+        suffix,
+    ) {
         change(state, actions, |scene| scene.drive.step = value * unit);
     }
 }
 
 fn accuracy_and_seed(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {
     let scene = &state.scene;
-    if let Some(value) = number(ui, &parameter::TARGET, scene.accuracy, 1e-6..=0.99, "") {
+    if let Some(value) = number(
+        ui,
+        actions,
+        &parameter::TARGET,
+        scene.accuracy,
+        1e-6..=0.99,
+        "",
+    ) {
         change(state, actions, |scene| scene.accuracy = value);
     }
     let seed = &parameter::SEED;
-    if let Some(seed) = whole(ui, (seed, seed.label), scene.seed, 0..=SEED_MAX) {
+    if let Some(seed) = whole(ui, actions, (seed, seed.label), scene.seed, 0..=SEED_MAX) {
         change(state, actions, |scene| scene.seed = seed);
     }
 }
@@ -223,11 +248,9 @@ fn models(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {
     ui.horizontal_wrapped(|ui| {
         for (asked, word, why) in models {
             let chosen = state.asked == asked;
-            let radio = ui.radio(chosen, word).on_hover_text(why);
+            let radio = radio(ui, &state.asked, &asked, word).on_hover_text(why);
             let name = format!("Model: {word}");
-            radio.widget_info(|| {
-                egui::WidgetInfo::selected(egui::Role::RadioButton, true, chosen, &name)
-            });
+            choosable(&radio, egui::Role::RadioButton, chosen, &name);
             if radio.clicked() {
                 actions.push(Action::SetStrategy(asked));
             }
@@ -238,7 +261,7 @@ fn models(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {
 fn methods(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {
     explain(ui.label("Method"), "Method");
     for method in MethodKind::ALL {
-        let radio = ui.radio(state.method == method, method.title());
+        let radio = radio(ui, &state.method, &method, method.title());
         if explain(radio, method.title()).clicked() {
             actions.push(Action::SetMethod(method));
         }
@@ -272,7 +295,7 @@ fn elastic_body(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {
     let names: Vec<_> = all.iter().map(|body| body.elastic().name()).collect();
     let asked = chosen(ui, "Body", body.elastic().name(), &names)
         .map(|i| all[i].elastic().suited(&model.grid));
-    let edited = own(ui, body.parameters(), &body.values(), model);
+    let edited = own(ui, actions, body.parameters(), &body.values(), model);
     if let Some(body) = asked.or(edited.map(|values| body.with(&values))) {
         actions.push(Action::edit(edit::with_body(scene, model, body)));
     }

@@ -1,28 +1,21 @@
 //! The application: takes in what the solver says, draws the panels, and acts on what they ask for.
 
-use super::action::{Action, FileTask, ViewOptions};
-use super::clicks::{self, Clicks, Player};
+use super::action::{Action, ViewOptions};
 use super::dialogs::{Dialogs, FileRequest, PathFuture, desktop_chooser};
-use super::film::FilmExport;
+use super::files::{Files, page};
 use super::gap_picture::Maps;
 use super::tabs::Tabs;
-use super::view_state::{Begin, Extent, Saved, ViewState};
-use super::{keys, layout, lecture, loop_plot, widgets};
+use super::view_state::{Begin, ViewState};
+use super::{keys, layout};
 use crate::follow::record::Cause;
 use crate::lessons::Progress;
-use crate::physics::topography::Topography;
-use crate::plot::loop_panel;
-use crate::plot::panel::Page;
-use crate::scene::{Model, Scene, edit};
-use crate::storage::session::{self, Session};
-use crate::storage::{self, Opened, drawing, export, picture, presets, scene_file};
-use crate::worker::SolverHandle;
-use crate::worker::job::Job;
+use crate::storage::{click, drawing, presets, scene_file};
+use crate::worker::job::{Job, Reporter};
 use crate::worker::protocol::{Command, Envelope, Event};
+use crate::worker::{SolverHandle, sound};
 use egui::containers::PanelState;
 use egui::{Context, Ui};
 use serde::{Deserialize, Serialize};
-use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 /// Seconds between two announcements of a jump to a screen reader.
@@ -38,12 +31,9 @@ pub struct App {
     clicks: Clicks,
     /// When a jump was last announced (seconds).
     announced: f64,
-    /// The file that is being read or written.
-    file: Option<(PathBuf, FileJob)>,
-    /// The film that is being written.
-    film: Option<FilmExport>,
+    files: Files,
     /// How the window looked before lecture mode.
-    before_lecture: Option<lecture::Before>,
+    before_lecture: Option<layout::Before>,
 }
 
 /// What is kept between two sittings.
@@ -51,30 +41,12 @@ pub struct App {
 #[serde(default)]
 struct Sitting {
     lesson: Option<Progress>,
-    before_lecture: Option<lecture::Before>,
+    before_lecture: Option<layout::Before>,
     click: bool,
 }
 
 /// Under which name.
 const SITTING: &str = "sitting";
-
-/// Work with a file, which may take as long as the file system likes.
-type FileJob = Job<Result<Done, storage::Failure>>;
-
-/// What came of it.
-enum Done {
-    /// Another scene.
-    Scene(Scene),
-    /// A scene with what was computed of it.
-    Session(Box<Session<Saved>>),
-    /// The present scene on measured ground, and what to know of it.
-    Ground(Scene, String),
-    /// The file is written.
-    Written,
-}
-
-/// What to do where a file was refused.
-const OTHER_PATH: &str = "Choose another path, or mend the file.";
 
 impl App {
     /// A window on this state, worked by this solver.
@@ -94,10 +66,9 @@ impl App {
             maps: Maps::default(),
             tabs: Tabs::default(),
             dialogs: Dialogs::new(chooser),
-            clicks: Clicks::new(clicks::desktop()),
+            clicks: Clicks::new(desktop_player()),
             announced: f64::NEG_INFINITY,
-            file: None,
-            film: None,
+            files: Files::default(),
             before_lecture: None,
         }
     }
@@ -119,7 +90,7 @@ impl App {
             before_lecture,
             click,
         } = serde_json::from_str(&kept).unwrap_or_default();
-        self.state.view.click = click;
+        self.state.messages.click = click;
         if let Some(before) = before_lecture {
             before.restore(ctx);
         }
@@ -139,7 +110,7 @@ impl App {
         let ctx = ui.ctx().clone();
         self.listen();
         self.state.observe_lesson();
-        self.take_file();
+        self.files.take_in(&mut self.state, &mut self.dialogs);
         self.state.update_foresight(&*self.solver);
         self.state.update_beside(&*self.solver);
         self.tabs.update(&mut self.state, &*self.solver);
@@ -151,12 +122,10 @@ impl App {
         actions.extend(dropped.take(1).map(Action::Open));
         self.announce(&ctx);
         self.panels(ui, &mut actions);
-        actions.extend(widgets::take_asked_back(&ctx).map(Action::BringBack));
         self.tabs.float(&ctx, &self.state, &mut actions);
         self.dialogs
             .show(&ctx, &self.state, &self.tabs, &mut actions);
-        let state = &mut self.state;
-        self.film.take_if(|film| !film.show(&ctx, state));
+        self.files.show(&ctx, &mut self.state);
         // The panels above were drawn before this; draw them once more with what follows.
         if !actions.is_empty() {
             ctx.request_repaint();
@@ -181,66 +150,15 @@ impl App {
         for event in self.solver.poll() {
             let snaps =
                 matches!(&event.message, Event::Jump(jump) if jump.cause != Cause::Transition);
-            if snaps && event.run == self.state.run.id && self.state.view.click {
+            if snaps && event.run == self.state.run.id && self.state.messages.click {
                 self.clicks.click(&*self.solver);
             }
             self.state.apply(event);
         }
         if let Some(why) = self.clicks.failed() {
-            self.state.view.click = false;
+            self.state.messages.click = false;
             self.state.messages.notice = Some(format!("no click at a snap: {why}"));
         }
-    }
-
-    /// Takes in what came of the file that was being read or written, if it is there.
-    fn take_file(&mut self) {
-        let Some(end) = self.file.as_mut().and_then(|(_, job)| job.poll()) else {
-            return;
-        };
-        let Some((path, mut job)) = self.file.take() else {
-            return;
-        };
-        self.state.messages.notice = None;
-        match (job.so_far.take(), end) {
-            (Some(Ok(done)), _) => {
-                self.dialogs.close();
-                if let Some(notice) = self.take_done(done, &path) {
-                    self.state.messages.notice = Some(notice);
-                }
-            }
-            (Some(Err(failure)), _) => self.state.messages.fail(failure, OTHER_PATH),
-            (None, end) => {
-                let (path, why) = (path.display(), end.err().unwrap_or_default());
-                let message = format!("{path}: {why}");
-                self.state.messages.fail(message, "Please report the file.");
-            }
-        }
-    }
-
-    /// Shows what came of a file; returns what to say, unless it was refused.
-    fn take_done(&mut self, done: Done, path: &Path) -> Option<String> {
-        let (state, file) = (&mut self.state, path.display());
-        state.messages.failure = None;
-        let notice = match done {
-            Done::Scene(scene) => {
-                state.open_scene(scene);
-                format!("{file} opened")
-            }
-            Done::Session(session) => {
-                let states = session.window.states();
-                if let Err(why) = state.reopen(*session) {
-                    state.messages.fail(format!("{file}: {why}"), OTHER_PATH);
-                }
-                let notes = state.notes.lines().next().unwrap_or_default();
-                format!("{file} opened, with {states} states. {notes}")
-            }
-            Done::Ground(scene, words) => {
-                state.edit_scene(scene);
-                words
-            }
-            Done::Written => format!("{file} written"),
-        };
-        state.messages.failure.is_none().then_some(notice)
     }
 
     fn announce(&mut self, ctx: &Context) {
@@ -262,7 +180,7 @@ impl App {
     fn panels(&mut self, ui: &mut Ui, actions: &mut Vec<Action>) {
         let (state, maps) = (&self.state, &self.maps);
         if state.view.lecture {
-            lecture::show(ui, state, maps, actions);
+            layout::lecture(ui, state, maps, actions);
         } else {
             layout::show(ui, state, maps, &mut self.tabs, actions);
         }
@@ -291,16 +209,20 @@ impl App {
             Action::Undo => state.undo(),
             Action::Redo => state.redo(),
             Action::AskFile(task) => self.dialogs.ask(task),
-            Action::UsePath(path) => self.use_path(ctx, &path),
+            Action::UsePath(path) => {
+                let inputs = (&mut self.dialogs, &self.tabs);
+                self.files.use_path(ctx, state, inputs, &path);
+            }
             Action::SetNotes(notes) => state.notes = notes,
-            Action::Open(path) => self.begin_to_open(ctx, &path),
+            Action::Open(path) => self.files.open(ctx, state, &path),
             Action::CloseDialog => {
-                self.file = None;
+                self.files.drop_job();
                 self.dialogs.close();
             }
             Action::ToggleCommands => self.dialogs.toggle_commands(ctx),
             Action::ToggleHelp => self.dialogs.help = !self.dialogs.help,
             Action::SetTheme(theme) => ctx.set_theme(theme),
+            Action::SetClick(click) => state.messages.click = click,
             Action::FitData => state.fit_axes(),
             Action::FitScene => state.plots.fit = None,
             Action::SetAxes([low, high]) => state.plots.fit = Some((low, high)),
@@ -355,7 +277,6 @@ impl App {
         let state = &mut self.state;
         state.view = ViewOptions {
             lecture: state.view.lecture,
-            click: state.view.click,
             ..ViewOptions::default()
         };
         state.plots.fit = None;
@@ -386,7 +307,7 @@ impl App {
         self.state.view.lecture = !self.state.view.lecture;
         match self.before_lecture.take() {
             Some(before) => before.restore(ctx),
-            None => self.before_lecture = Some(lecture::Before::enlarge(ctx)),
+            None => self.before_lecture = Some(layout::Before::enlarge(ctx)),
         }
     }
 
@@ -400,132 +321,6 @@ impl App {
             }
         }
     }
-
-    /// Begins to work with a file.
-    fn begin_file(
-        &mut self,
-        ctx: &Context,
-        path: &Path,
-        doing: &str,
-        work: impl FnOnce(&Path) -> Result<Done, storage::Failure> + Send + 'static,
-    ) {
-        let (file, ctx) = (path.to_owned(), ctx.clone());
-        let job = Job::start(Arc::new(move || ctx.request_repaint()), move |report| {
-            report.result(work(&file));
-            Ok(())
-        });
-        self.file = Some((path.to_owned(), job));
-        self.state.messages.notice = Some(format!("{doing} {} …", path.display()));
-    }
-
-    fn begin_to_open(&mut self, ctx: &Context, path: &Path) {
-        let (scene, model) = (self.state.scene.clone(), self.state.model.clone());
-        self.begin_file(ctx, path, "opening", move |file| {
-            match storage::open(file)? {
-                Opened::Scene(scene) => Ok(Done::Scene(scene)),
-                Opened::Session(bytes) => {
-                    session::of_bytes(file, &bytes).map(|session| Done::Session(Box::new(session)))
-                }
-                Opened::Heights(map) => ground(&scene, &model, map),
-            }
-        });
-    }
-
-    fn begin_to_save(&mut self, ctx: &Context, path: &Path) {
-        let session = self.state.session(Extent::Whole);
-        self.begin_file(ctx, path, "writing", move |file| {
-            session::save(file, &session, session.window.record()).map(|()| Done::Written)
-        });
-    }
-
-    /// Does what the open dialog was opened for. It stays open if that fails, so that the path can
-    /// be mended.
-    fn use_path(&mut self, ctx: &Context, path: &Path) {
-        let Some(task) = self.dialogs.task() else {
-            return;
-        };
-        let state = &self.state;
-        let done = match task {
-            FileTask::OpenScene | FileTask::OpenHeights => return self.begin_to_open(ctx, path),
-            FileTask::SaveSession => return self.begin_to_save(ctx, path),
-            FileTask::ExportFilm(kind) => {
-                self.film = FilmExport::begin(ctx, state, path, kind);
-                return self.dialogs.close();
-            }
-            FileTask::SaveScene => scene_file::save(path, &state.scene),
-            FileTask::ExportLoopCsv => {
-                export::write_loop_csv(path, &state.scene, &state.run.record.states)
-            }
-            FileTask::ExportEventsCsv => {
-                export::write_events_csv(path, &state.scene, &state.run.record.jumps)
-            }
-            FileTask::ExportCurvesCsv => {
-                let panel = loop_plot::panel(state);
-                export::write_panels_csv(path, &state.scene.title, &[panel])
-            }
-            FileTask::ExportTabCsv => {
-                let (tab, panels) = self.tabs.panels(state);
-                if panels.is_empty() {
-                    let message = format!("the tab {tab} has no curves to write");
-                    let remedy = "Choose a tab with a diagram, or wait until it is computed.";
-                    return self.state.messages.fail(message, remedy);
-                }
-                let title = format!("{}: {tab}", state.scene.title);
-                export::write_panels_csv(path, &title, &panels)
-            }
-            FileTask::ExportLoopPng => {
-                drawing::write_page_png(path, &page(state)).and_then(|()| attach(path, state))
-            }
-            FileTask::ExportLoopSvg => drawing::write_page_svg(path, &page(state)),
-            FileTask::ExportGapPng => match state.pictured() {
-                Some(frame) => picture::write_gap_png(path, &frame.gap, state.view.colours)
-                    .and_then(|()| attach(path, state)),
-                None => return,
-            },
-        };
-        match done {
-            Ok(()) => {
-                self.dialogs.close();
-                self.state.messages.failure = None;
-                self.state.messages.notice = Some(format!("{} written", path.display()));
-            }
-            Err(failure) => self.state.messages.fail(failure, OTHER_PATH),
-        }
-    }
-}
-
-/// Puts scene and state into a picture, so that it opens again as what it shows.
-fn attach(path: &Path, state: &ViewState) -> Result<(), storage::Failure> {
-    let session = state.session(Extent::Present);
-    let bytes = session::to_bytes(&session, session.window.record()).ok();
-    picture::attach(path, &session.scene, bytes.as_deref())
-}
-
-/// The picture of the stress curve.
-fn page(state: &ViewState) -> Page<'static> {
-    let ledger = state.run.record.ledger(state.model.law.surface_energy);
-    let error = ledger.stated_error(state.predicted_error());
-    loop_panel::page(&state.run.record, &state.model, &state.scene.title, error)
-}
-
-/// The scene on the ground of this map.
-fn ground(scene: &Scene, model: &Model, map: Topography) -> Result<Done, storage::Failure> {
-    let file = map.file.display().to_string();
-    let (told, [ny, nx]) = (
-        map.size.is_some(),
-        [map.heights.nrows(), map.heights.ncols()],
-    );
-    let scene = edit::with_heights(scene, model, map);
-    scene
-        .model()
-        .map_err(|error| scene_file::refused(&file, error))?;
-    let side = if told {
-        "its side is that of the file"
-    } else {
-        "the file does not say how large it is: it fills the cell; see Measured side"
-    };
-    let words = format!("measured ground, {nx} x {ny} points ({file}): {side}");
-    Ok(Done::Ground(scene, words))
 }
 
 impl eframe::App for App {
@@ -537,7 +332,7 @@ impl eframe::App for App {
         let sitting = Sitting {
             lesson: self.state.lesson.clone(),
             before_lecture: self.before_lecture,
-            click: self.state.view.click,
+            click: self.state.messages.click,
         };
         if let Ok(text) = serde_json::to_string(&sitting) {
             storage.set_string(SITTING, text);
@@ -549,5 +344,49 @@ impl eframe::App for App {
             run: self.state.run.id,
             message: Command::Quit,
         });
+    }
+}
+
+/// Makes the sound and returns at its end, on a thread of its own; or says why it cannot.
+pub type Player = Arc<dyn Fn() -> Result<(), String> + Send + Sync>;
+
+/// By a program of the desktop.
+fn desktop_player() -> Player {
+    Arc::new(|| {
+        let file = click::file().map_err(|error| error.to_string())?;
+        sound::play(file.path())
+    })
+}
+
+fn sounded(player: &Player, _: &Reporter<()>) -> Result<(), String> {
+    player()
+}
+
+/// What clicks.
+struct Clicks {
+    player: Player,
+    sounding: Option<Job<()>>,
+}
+
+impl Clicks {
+    /// By this player.
+    fn new(player: Player) -> Self {
+        Self {
+            player,
+            sounding: None,
+        }
+    }
+
+    /// Clicks, unless the last click still sounds: a hundred jumps in a second are no hundred
+    /// programs.
+    fn click(&mut self, solver: &dyn SolverHandle) {
+        if self.sounding.as_ref().is_none_or(|job| !job.is_running()) {
+            self.sounding = Some(solver.job(self.player.clone(), sounded));
+        }
+    }
+
+    /// Why there was no click, once.
+    fn failed(&mut self) -> Option<String> {
+        self.sounding.as_mut()?.poll()?.err()
     }
 }

@@ -1,8 +1,8 @@
 //! The palette of commands (Ctrl+K): everything the window does, found by its name and run from the
 //! keyboard.
 
-use super::action::{Action, FileTask, KeepFrom, LessonAct, ProfileLine, ViewOptions};
-use super::flick;
+use super::action::{Action, FILE_TASKS, KeepFrom, LessonAct, ProfileLine, ViewOptions};
+use super::grip;
 use super::machine::{self, Told};
 use super::tabs::Tabs;
 use super::toolbar::SPEEDS;
@@ -10,11 +10,10 @@ use super::view_state::ViewState;
 use super::widgets;
 use crate::lessons;
 use crate::physics::law::Shape;
-use crate::plot::colours::Colours;
+use crate::plot::style::Colours;
 use crate::scene::edit;
 use crate::scene::part::Strategy;
 use crate::solver::methods::MethodKind;
-use crate::storage::film::FilmKind;
 use crate::storage::presets;
 use crate::worker::protocol::Sweep;
 use egui::text_edit::TextEditState;
@@ -134,52 +133,29 @@ fn pushes(state: &ViewState) -> [Command; 2] {
     [("bump", 1.0), ("dimple", -1.0)].map(|(what, sign)| Command {
         name: format!("Push: press a {what} into the middle and let go"),
         keys: "",
-        actions: flick::command(state, sign),
+        actions: grip::press_command(state, sign),
     })
 }
 
 /// What reads and writes scenes and results.
 fn files() -> impl Iterator<Item = Command> {
-    use FileTask::*;
-    let tasks = [
-        ("Open a scene", "Ctrl+O", OpenScene),
-        ("Save the scene", "Ctrl+S", SaveScene),
-        ("Save the session", "", SaveSession),
-        ("Open a height file as measured ground", "", OpenHeights),
-        ("Export states as CSV", "", ExportLoopCsv),
-        ("Export jumps as CSV", "", ExportEventsCsv),
-        ("Export the curves of the plot as CSV", "", ExportCurvesCsv),
-        ("Export the curves of the tab as CSV", "", ExportTabCsv),
-        ("Export the stress curve as PNG", "S", ExportLoopPng),
-        ("Export the stress curve as SVG", "", ExportLoopSvg),
-        ("Export the gap map as PNG", "", ExportGapPng),
-        (
-            "Export the path as a film (GIF)",
-            "",
-            ExportFilm(FilmKind::Gif),
-        ),
-        (
-            "Export the path as a film (animated PNG)",
-            "",
-            ExportFilm(FilmKind::Apng),
-        ),
-    ];
+    let tasks = FILE_TASKS.into_iter().flatten().map(|row| {
+        let [name, keys] = row.command;
+        (name, keys, Action::AskFile(row.task))
+    });
+    let picture = "Copy the picture of the stress curve";
     let copies = [
         ("Copy the scene as text", "Ctrl+C", Action::CopyScene),
-        (
-            "Copy the picture of the stress curve",
-            "",
-            Action::CopyPicture,
-        ),
+        (picture, "", Action::CopyPicture),
     ];
-    let tasks = tasks.map(|(name, keys, task)| (name, keys, Action::AskFile(task)));
-    let all = tasks.into_iter().chain(copies);
+    let all = tasks.chain(copies);
     all.map(|(name, keys, action)| Command::new(name, keys, action))
 }
 
 /// What changes how things are shown.
 fn views(state: &ViewState) -> Vec<Command> {
     let one = Command::new;
+    let click = state.messages.click;
     let view = Action::SetView;
     let on = |what: &str, is: bool| format!("{} {what}", if is { "Hide" } else { "Show" });
     vec![
@@ -206,16 +182,13 @@ fn views(state: &ViewState) -> Vec<Command> {
             Action::SetTheme(ThemePreference::System),
         ),
         one(
-            if state.view.click {
+            if click {
                 "No click at a snap"
             } else {
                 "Click at a snap"
             },
             "",
-            view(ViewOptions {
-                click: !state.view.click,
-                ..state.view
-            }),
+            Action::SetClick(!click),
         ),
         one("Lecture mode", "F11", Action::ToggleLecture),
         one("Restore layout", "", Action::RestoreLayout),

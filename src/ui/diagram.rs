@@ -8,13 +8,13 @@ use crate::plot::panel::{
 };
 use crate::plot::scale::{Scale, scales};
 use crate::plot::style::{Ground, MARKS, marked, pointing, stroke};
-use crate::plot::ticks::{self, label, ticks};
+use crate::plot::ticks::{label, ticks};
 use crate::plot::typeset::plain;
 use egui::emath::Rangef;
 use egui::{Align, Align2, AsIdSalt, Color32, FontId, Rect, RichText, Ui, Vec2, vec2};
 use egui_plot::{
-    Arrows, AxisHints, FilledArea, GridInput, GridMark, HoverPosition, Line, LineStyle,
-    MarkerShape, Plot, PlotBounds, PlotPoint, PlotPoints, PlotResponse, PlotUi, Points, Text,
+    Arrows, AxisHints, FilledArea, GridMark, HoverPosition, Line, LineStyle, MarkerShape, Plot,
+    PlotBounds, PlotPoint, PlotPoints, PlotResponse, PlotUi, Points, Text,
 };
 
 /// Radius of the ring around the present point.
@@ -23,7 +23,7 @@ const RING: f32 = 7.5;
 const NAMED: f32 = 130.0;
 
 /// A plot whose axes no gesture moves.
-pub fn fixed<'a>(id: impl AsIdSalt) -> Plot<'a> {
+fn fixed<'a>(id: impl AsIdSalt) -> Plot<'a> {
     // Numbers down to a narrow window; they are short here.
     let x_axis = AxisHints::new_x().label_spacing(Rangef::new(32.0, 40.0));
     Plot::new(id)
@@ -42,43 +42,6 @@ pub fn fixed<'a>(id: impl AsIdSalt) -> Plot<'a> {
         .y_axis_min_width(30.0)
 }
 
-/// Such a plot in the rest of the space, with the names of its axes, which it loses where there is
-/// little of it; `hover` says in words where the pointer is (x, y).
-pub fn small<'a>(
-    ui: &Ui,
-    id: &'static str,
-    [x, y]: [&str; 2],
-    hover: impl Fn(f64, f64) -> String + 'a,
-) -> Plot<'a> {
-    let height = ui.available_height().max(80.0);
-    let plot = fixed(id)
-        .height(height)
-        .grid_color(ui.visuals().text_color().gamma_multiply(0.45))
-        .x_grid_spacer(|input| grid(input, 7.0))
-        .label_formatter(move |at| {
-            let [x, y] = pointed(at);
-            Some(hover(x, y))
-        });
-    if height < NAMED {
-        plot
-    } else {
-        plot.x_axis_label(x.to_owned()).y_axis_label(y.to_owned())
-    }
-}
-
-/// The same with its abscissa told in a unit, of which 1 along it makes `scale`.
-pub fn along(plot: Plot<'_>, scale: f64) -> Plot<'_> {
-    plot.x_grid_spacer(move |mut input| {
-        input.bounds = (input.bounds.0 * scale, input.bounds.1 * scale);
-        let mut marks = grid(input, 7.0);
-        for mark in &mut marks {
-            (mark.value, mark.step_size) = (mark.value / scale, mark.step_size / scale);
-        }
-        marks
-    })
-    .x_axis_formatter(move |mark, _| label(mark.value * scale, mark.step_size * scale))
-}
-
 /// Where the pointer is.
 fn pointed(at: &HoverPosition<'_>) -> [f64; 2] {
     let (HoverPosition::NearDataPoint { position, .. } | HoverPosition::Elsewhere { position }) =
@@ -86,18 +49,8 @@ fn pointed(at: &HoverPosition<'_>) -> [f64; 2] {
     [position.x, position.y]
 }
 
-/// Grid lines at 1, 2 or 5 and a power of ten; the plot's own raster of tens leaves short axes
-/// without a number.
-pub fn grid(input: GridInput, count: f64) -> Vec<GridMark> {
-    let (values, step_size) = ticks::within(input.bounds.0, input.bounds.1, count);
-    values
-        .into_iter()
-        .map(|value| GridMark { value, step_size })
-        .collect()
-}
-
 /// A line of this colour and width.
-pub fn line<'a>(name: &str, points: &[[f64; 2]], colour: Color32, width: f32) -> Line<'a> {
+fn line<'a>(name: &str, points: &[[f64; 2]], colour: Color32, width: f32) -> Line<'a> {
     let line =
         Line::new(name, PlotPoints::from(points.to_vec())).stroke(egui::Stroke::new(width, colour));
     // Bands for dense data fill the corners of stairs.
@@ -172,13 +125,6 @@ pub fn show(
         Numbers::new(y, height / UP),
     );
     let (across_grid, up_grid) = (across.grid(), up.grid());
-    let value = |scale: Scale, shown: f64| {
-        if scale.logarithmic {
-            10f64.powf(shown)
-        } else {
-            shown
-        }
-    };
     let mut plot = fixed(id)
         .height(height)
         .grid_color(text.gamma_multiply(0.3));
@@ -194,7 +140,7 @@ pub fn show(
         .y_axis_formatter(move |mark, _| up.word(mark))
         .label_formatter(move |at| {
             let [across, up] = pointed(at);
-            hover(value(x, across), value(y, up))
+            hover(x.spread.value(across), y.spread.value(up))
         })
         .show(ui, |plot| {
             plot.set_plot_bounds(PlotBounds::from_min_max([x.low, y.low], [x.high, y.high]));
@@ -246,10 +192,9 @@ fn over_x(corners: [[f64; 2]; 4]) -> [Vec<f64>; 3] {
     [x.to_vec(), below, above]
 }
 
-/// Draws what a diagram shows into a plot, whose coordinates are logarithms where an axis is
-/// logarithmic.
-pub fn draw(plot: &mut PlotUi<'_>, panel: &Panel, ground: Ground) {
-    let at = |p: [f64; 2]| [panel.x.shown(p[0]), panel.y.shown(p[1])];
+/// Draws what a diagram shows into a plot, whose coordinates are values as they are shown.
+fn draw(plot: &mut PlotUi<'_>, panel: &Panel, ground: Ground) {
+    let at = |p: [f64; 2]| [panel.x.spread.shown(p[0]), panel.y.spread.shown(p[1])];
     for area in &panel.areas {
         let colour = colour(area.colour, ground);
         for piece in area

@@ -6,8 +6,8 @@ use super::commands::Palette;
 use super::keys;
 use super::tabs::Tabs;
 use super::view_state::ViewState;
+use super::widgets::radio;
 use crate::storage::files::{self, Effect};
-use crate::storage::film::FilmKind;
 use egui::{Align2, Context, RichText, Ui, Window};
 use std::path::{Path, PathBuf};
 use std::pin::Pin;
@@ -102,7 +102,7 @@ impl Dialogs {
             .then(|| (self.chooser)(FileRequest { task }));
         self.file = Some(FileDialog {
             task,
-            path: task.file_name().to_owned(),
+            path: task.row().file_name.to_owned(),
             note: None,
             question: None,
             pending,
@@ -152,7 +152,7 @@ impl Dialogs {
             return;
         };
         file.poll(ctx, actions);
-        let open = centred(ctx, file.task.title(), |ui| {
+        let open = centred(ctx, file.task.row().title, |ui| {
             if let Some(task) = file.body(ui, &state.notes, actions) {
                 file.note = None;
                 file.pending = Some(chooser(FileRequest { task }));
@@ -193,10 +193,10 @@ impl FileDialog {
         ui.set_width(430.0);
         if !self.task.variants().is_empty() {
             ui.horizontal_wrapped(|ui| {
-                for &(task, word) in self.task.variants() {
-                    if ui.radio(self.task == task, word).clicked() {
-                        self.task = task;
-                        self.path = task.file_name().to_owned();
+                for row in self.task.variants() {
+                    if radio(ui, &self.task, &row.task, row.word).clicked() {
+                        self.task = row.task;
+                        self.path = row.file_name.to_owned();
                     }
                 }
             });
@@ -277,39 +277,29 @@ impl FileDialog {
     }
 }
 
-/// How the names of height files end.
+/// How the names of scenes and of height files end.
+const SCENES: &[&str] = &["toml", "tackscope", "png"];
 const HEIGHTS: &[&str] = &[
     "csv", "txt", "dat", "xyz", "npy", "npz", "sur", "sdf", "x3p", "nc",
 ];
 
 /// The desktop's own file chooser (rfd), which runs elsewhere while the window goes on drawing.
 pub fn desktop_chooser(request: FileRequest) -> PathFuture {
-    let task = request.task;
-    let (kind, extensions): (_, &[&str]) = match task {
-        FileTask::OpenScene => (
-            "Scene, session, or a picture with its scene",
-            &["toml", "tackscope", "png"],
-        ),
-        FileTask::OpenHeights => ("Heights", HEIGHTS),
-        FileTask::SaveScene => ("Scene", &["toml"]),
-        FileTask::SaveSession => ("Session", &["tackscope"]),
-        FileTask::ExportLoopCsv
-        | FileTask::ExportEventsCsv
-        | FileTask::ExportCurvesCsv
-        | FileTask::ExportTabCsv => ("CSV", &["csv"]),
-        FileTask::ExportLoopPng | FileTask::ExportGapPng => ("PNG", &["png"]),
-        FileTask::ExportLoopSvg => ("SVG", &["svg"]),
-        FileTask::ExportFilm(FilmKind::Gif) => ("GIF", &["gif"]),
-        FileTask::ExportFilm(FilmKind::Apng) => ("Animated PNG", &["png"]),
+    let (task, row) = (request.task, request.task.row());
+    let dialog = rfd::AsyncFileDialog::new().set_title(row.title);
+    let dialog = match task {
+        FileTask::OpenScene => dialog.add_filter(row.kind, SCENES),
+        FileTask::OpenHeights => dialog.add_filter(row.kind, HEIGHTS),
+        _ => {
+            let ending = row.file_name.rsplit('.').next();
+            dialog.add_filter(row.kind, ending.as_slice())
+        }
     };
-    let dialog = rfd::AsyncFileDialog::new()
-        .set_title(task.title())
-        .add_filter(kind, extensions);
     Box::pin(async move {
         let file = if task.opens() {
             dialog.pick_file().await
         } else {
-            dialog.set_file_name(task.file_name()).save_file().await
+            dialog.set_file_name(row.file_name).save_file().await
         };
         file.map(|file| file.path().to_path_buf())
     })

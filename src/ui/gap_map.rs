@@ -5,7 +5,7 @@ use super::action::{Action, ProfileLine, ViewOptions};
 use super::gap_picture::{GapPicture, MapCache, Maps, Segment};
 use super::view_state::ViewState;
 use super::widgets::{described, named};
-use super::{flick, grip, headline, sliders, strip, theme};
+use super::{grip, headline, sliders, strip, theme};
 use crate::lessons::Hidden;
 use crate::physics::parameter::Dimension;
 use crate::plot::{scale, ticks};
@@ -92,10 +92,10 @@ pub fn show(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>, maps: &Ma
     }
     overlays(ui, state, map);
     let per_point = (state.limits.1 - state.limits.0) / f64::from(map.height());
-    if flick::is_on(ui, state) {
+    if grip::presses(ui, state) {
         if let Some(picture) = &cache.picture {
             let on = (&response, band);
-            flick::drag(ui, state, on, picture, per_point, actions);
+            grip::press(ui, state, on, picture, per_point, actions);
         }
     } else {
         grip::drag(ui, state, &response, per_point, actions);
@@ -329,7 +329,7 @@ pub fn frame_stroke(ui: &Ui, state: &ViewState) -> Stroke {
 /// The word "jumping" while the surface is no equilibrium, and "replay", "stored" or "foreseen"
 /// while another one than the present is shown.
 fn overlays(ui: &Ui, state: &ViewState, map: Rect) {
-    let Some(word) = state.shown_word().or(flick::word(state)) else {
+    let Some(word) = state.shown_word().or(grip::press_word(state)) else {
         return;
     };
     let size = if map.width() > 330.0 { 17.0 } else { 13.0 };
@@ -500,7 +500,7 @@ fn show_beside(
     letter(ui, map, &format!("B: {}", kept.name), Align2::LEFT_TOP);
     letter(ui, map, &words, Align2::LEFT_BOTTOM);
     // It is the present surface that is pressed.
-    if !flick::is_on(ui, state) {
+    if !grip::presses(ui, state) {
         let per_point = (state.limits.1 - state.limits.0) / f64::from(map.height());
         grip::drag(ui, state, &response, per_point, actions);
     }

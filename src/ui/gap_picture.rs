@@ -7,8 +7,8 @@ use super::view_state::ViewState;
 use crate::physics::grid::Grid;
 use crate::physics::indenter::Indenter;
 use crate::physics::pattern::{Island, Pattern, rolled, shift_to_middle};
-use crate::plot::colours::Colours;
 use crate::plot::scale::{self, ends};
+use crate::plot::style::Colours;
 use crate::scene::Model;
 use crate::worker::protocol::{Frame, Play};
 use egui::{

@@ -2,17 +2,17 @@
 //! the plot.
 
 use super::action::{Action, ViewOptions};
-use super::flick;
+use super::grip;
 use super::machine;
 use super::theme::{self, Palette};
 use super::view_state::ViewState;
-use super::widgets::named;
+use super::widgets::{checkbox, named, radio_value};
 use super::words::explain;
 use crate::follow::record::{JumpRecord, StateRecord};
 use crate::lessons::Hidden;
 use crate::physics::indenter::Indenter;
 use crate::physics::parameter::Dimension;
-use crate::plot::colours::Colours;
+use crate::plot::style::Colours;
 use crate::solver::Stop;
 use crate::study::plan::promise_as;
 use egui::{Align, Color32, FontId, Label, Layout, Response, RichText, Ui, vec2};
@@ -48,12 +48,12 @@ pub fn surface(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {
     let size = vec2(ui.available_width(), SURFACE + 8.0);
     ui.allocate_ui_with_layout(size, Layout::left_to_right(Align::Center), |ui| {
         ui.set_min_height(SURFACE + 8.0);
-        let presses = flick::is_on(ui, state);
+        let presses = grip::presses(ui, state);
         let room = if presses { 0.4 * size.x } else { size.x - MENU };
         explain(line(ui, &words, SURFACE, room, colour), "Surface");
         ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
             if presses {
-                return flick::options(ui, state, actions);
+                return grip::press_options(ui, state, actions);
             }
             let menu = ui.menu_button("⚙", |ui| options(ui, state, actions));
             named(menu.response, "Map options").on_hover_text("how the map is drawn");
@@ -63,15 +63,15 @@ pub fn surface(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {
 
 fn options(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {
     let mut view: ViewOptions = state.view;
-    ui.checkbox(&mut view.smooth, "Smooth");
+    checkbox(ui, &mut view.smooth, "Smooth");
     if state.model.indenter == Indenter::Flat {
-        ui.checkbox(&mut view.centred, "Centre the pattern");
+        checkbox(ui, &mut view.centred, "Centre the pattern");
     }
-    ui.checkbox(&mut view.soft_mode, "Soft mode");
+    checkbox(ui, &mut view.soft_mode, "Soft mode");
     ui.separator();
     for (colours, word) in Colours::ALL {
         let words = format!("Colours: {word}");
-        ui.radio_value(&mut view.colours, colours, words);
+        radio_value(ui, &mut view.colours, colours, words);
     }
     if view != state.view {
         actions.push(Action::SetView(view));
@@ -95,7 +95,7 @@ pub fn surface_words(state: &ViewState, palette: &Palette, plain: Color32) -> (S
                 let word = state.shown_word().unwrap_or("stored");
                 format!("{}: {}", capital(word), equilibrium(stored))
             }
-            None if frame.relaxing => capital(flick::word(state).unwrap_or("no equilibrium")),
+            None if frame.relaxing => capital(grip::press_word(state).unwrap_or("no equilibrium")),
             None => "Of a branch".to_owned(),
         };
         let colour = if frame.relaxing { palette.jump } else { plain };

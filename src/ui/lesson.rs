@@ -3,7 +3,7 @@
 use super::action::{Action, LessonAct};
 use super::theme;
 use super::view_state::ViewState;
-use super::widgets::{Entry, described, named};
+use super::widgets::{Entry, described, named, radio};
 use crate::lessons::{self, Lesson, Progress, Question, Stage};
 use egui::{Frame, RichText, ScrollArea, Ui};
 
@@ -93,10 +93,10 @@ fn ask(
     match question {
         Question::Choice { options, .. } => {
             for (index, option) in options.iter().enumerate() {
-                let chosen = progress.answer == Some(index as f64);
+                let answer = Some(index as f64);
                 let words = RichText::new(format!("{}  {option}", index + 1)).size(WORDS);
                 // Also to be read afterwards.
-                if ui.radio(chosen, words).clicked() && waits {
+                if radio(ui, &progress.answer, &answer, words).clicked() && waits {
                     acts.push(LessonAct::Choose(index as f64));
                 }
             }

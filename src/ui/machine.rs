@@ -93,7 +93,7 @@ pub fn show(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {
     });
     if let Control::Spring { stiffness } = present {
         let range = 1e-9..=1e9;
-        let wanted = given(ui, scene, &parameter::STIFFNESS, stiffness, range);
+        let wanted = given(ui, actions, scene, &parameter::STIFFNESS, stiffness, range);
         asked = asked.or(wanted.map(|stiffness| Control::Spring { stiffness }));
         ui.small(if scene.control().stiffness() < wave {
             "Softer than the body's softest wave: it snaps as one block."

@@ -2,7 +2,7 @@
 //! short line. What went wrong stands above it, over the panels, until it was read.
 
 use super::action::Action;
-use super::flick;
+use super::grip;
 use super::headline::{exact_to, residual, stability};
 use super::theme::{self, Palette};
 use super::view_state::ViewState;
@@ -118,7 +118,7 @@ fn facts(ui: &mut Ui, state: &ViewState, now: &StateRecord) {
         node.set_description(state.messages.announced.clone());
     });
     let (words, colour) = match state.jumping() {
-        Some(_) => (flick::word(state).unwrap_or_default(), palette.jump),
+        Some(_) => (grip::press_word(state).unwrap_or_default(), palette.jump),
         None => (stability(now), stable_colour(now, &palette)),
     };
     ui.label(RichText::new("·").weak());

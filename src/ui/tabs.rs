@@ -20,12 +20,12 @@ mod why;
 use super::action::{Action, ViewOptions};
 use super::diagram;
 use super::view_state::ViewState;
-use super::widgets::{named, progress};
+use super::widgets::{choosable, named, progress};
 use super::words::explain;
 use crate::plot::panel::Panel;
 use crate::worker::SolverHandle;
 use crate::worker::job::Job;
-use egui::{Color32, Context, Label, RichText, Role, TextStyle, Ui, Vec2, WidgetInfo};
+use egui::{Color32, Context, Label, RichText, Role, TextStyle, Ui, Vec2};
 use egui_plot::PlotResponse;
 
 /// What a tab is called, and the room that it wants.
@@ -283,10 +283,7 @@ fn offer(
     let response = ui
         .selectable_label(chosen, title.short)
         .on_hover_text(title.what);
-    response.widget_info(|| {
-        let name = format!("{} tab", title.name);
-        WidgetInfo::selected(Role::Tab, true, chosen, name)
-    });
+    choosable(&response, Role::Tab, chosen, &format!("{} tab", title.name));
     let asked = response.clicked() && !chosen;
     if asked {
         actions.push(choose(index, state));

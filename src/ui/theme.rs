@@ -174,6 +174,11 @@ fn visuals(ground: Ground) -> Visuals {
     v
 }
 
+/// The edge of what can be chosen, whether it is or not: its fill is too pale to be seen alone.
+pub fn edge(visuals: &Visuals) -> Stroke {
+    Stroke::new(1.0, visuals.weak_text_color())
+}
+
 /// Font of tick labels and other small print inside pictures.
 pub fn small() -> FontId {
     FontId::proportional(TICK)
@@ -301,12 +306,22 @@ mod tests {
                 ("warn", p.warn),
                 ("pull", p.pull),
                 ("push", p.push),
+                ("box of a choice", edge(&v).color),
+                ("box under the pointer", v.widgets.hovered.bg_stroke.color),
             ] {
-                for fill in [v.panel_fill, v.extreme_bg_color, v.faint_bg_color] {
+                for fill in [
+                    v.panel_fill,
+                    v.window_fill,
+                    v.extreme_bg_color,
+                    v.faint_bg_color,
+                ] {
                     let found = contrast(upon(mark, fill), of(fill));
                     assert!(found >= 3.0, "{name} on {fill:?}, {ground:?}: {found:.2}");
                 }
             }
+            let chosen = v.widgets.inactive;
+            let found = contrast(of(chosen.fg_stroke.color), of(chosen.bg_fill));
+            assert!(found >= 3.0, "tick in a box, {ground:?}: {found:.2}");
         }
     }
 

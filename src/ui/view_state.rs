@@ -1,8 +1,6 @@
 //! Everything the window shows, as plain data: built and updated without egui.
 
-mod beside;
 mod foresight;
-mod history;
 mod kept;
 mod lesson;
 mod plots;
@@ -10,14 +8,12 @@ mod run;
 mod session;
 mod stored;
 
-pub use beside::Beside;
-pub use foresight::Foresight;
-pub use history::{History, Past};
+pub use foresight::{Beside, Foresight};
 pub use kept::{Kept, KeptLoops};
 pub use lesson::{Begin, Hint};
 pub use plots::{Ghost, LiveView, Plots};
 pub use run::{ClosedLoop, Origin, Pushed, RunView, Selection};
-pub use session::{Extent, Saved};
+pub use session::{Extent, History, Past, Saved};
 pub use stored::{Films, Store, Stretch, foreseen, stretches};
 
 use super::action::ViewOptions;
@@ -27,16 +23,16 @@ use crate::numerics::cancel::Cancel;
 use crate::physics::indenter::Indenter;
 use crate::physics::parameter::{Dimension, Refusal, Value};
 use crate::physics::theory::flat;
-use crate::plot::curve::{Curve, eigenvalue_scale};
+use crate::plot::curve::Curve;
 use crate::plot::loop_panel::{flat_state, loss};
 use crate::scene::edit::Follows;
 use crate::scene::part::Strategy;
-use crate::scene::{Drive, Model, Scene};
+use crate::scene::{Model, Scene};
 use crate::scene::{edit, parameter, window};
 use crate::solver::methods::MethodKind;
 use crate::worker::job::Job;
 use crate::worker::protocol::{
-    Command, Envelope, Event, Failure, Frame, Motion, Play, Resumed, RunId, Speed, Stored, Sweep,
+    Command, Envelope, Event, Failure, Frame, Motion, Play, Resumed, RunId, Speed, Sweep,
 };
 use std::sync::Arc;
 
@@ -76,7 +72,7 @@ pub struct ViewState {
     pub plots: Plots,
     /// The scene beside this one.
     pub beside: Option<Beside>,
-    /// What is said in words.
+    /// What is said.
     pub messages: Messages,
     /// What somebody wrote, saved with the session.
     pub notes: String,
@@ -104,7 +100,7 @@ pub struct Opened {
     guessing: bool,
 }
 
-/// What the window says in words.
+/// What the window says, in words and by sound.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Messages {
     /// What went wrong.
@@ -115,6 +111,8 @@ pub struct Messages {
     pub hint: Option<Hint>,
     /// The jump that was last read aloud.
     pub announced: String,
+    /// A snap clicks.
+    pub click: bool,
 }
 
 impl Messages {
@@ -174,6 +172,7 @@ impl ViewState {
                 notice: None,
                 hint: Some(Hint::Grab),
                 announced: String::new(),
+                click: false,
             },
             notes: String::new(),
             view: ViewOptions::default(),
@@ -278,11 +277,11 @@ impl ViewState {
     /// Replaces the scene by an edited one, remembering the old one for undo. Its title then says
     /// that it is not the one opened; a scene that was there before comes back as it was.
     pub fn edit_scene(&mut self, mut scene: Scene) {
-        let before = self.past();
-        if scene == *before.scene {
+        if scene == *self.scene {
             return;
         }
-        if let Some(known) = self.history.known(&scene, &before.scene) {
+        let before = self.past();
+        if let Some(known) = self.history.known(&scene, &self.scene) {
             scene = known;
         } else if !scene.title.starts_with(CHANGED) {
             scene.title.insert_str(0, CHANGED);
@@ -324,62 +323,6 @@ impl ViewState {
             self.history.remember(before);
             self.messages.hint.get_or_insert(Hint::Lower);
             self.messages.notice = None;
-        }
-    }
-
-    /// Undoes a scene edit, and brings the surface back where it was.
-    pub fn undo(&mut self) {
-        let past = self.history.undo(self.past());
-        self.bring_back(past);
-    }
-
-    /// Takes an undo back.
-    pub fn redo(&mut self) {
-        let past = self.history.redo(self.past());
-        self.bring_back(past);
-    }
-
-    /// What an undo brings back. The start of the drive is come to by itself.
-    fn past(&self) -> Past {
-        let Drive { start, step, .. } = self.scene.drive;
-        // Behind a spring it may be a rounding off.
-        let at_start = |control: f64| (control - start).abs() < 1e-6 * step;
-        let is_start = |s: &&Arc<Stored>| s.before == [0, 0] && at_start(s.record.control);
-        let stored = self.run.store.newest();
-        Past {
-            scene: self.scene.clone(),
-            method: self.method,
-            asked: self.asked,
-            surface: stored.filter(|s| !is_start(s)).cloned(),
-        }
-    }
-
-    fn bring_back(&mut self, past: Option<Past>) {
-        let Some(Past {
-            scene,
-            method,
-            asked,
-            surface,
-        }) = past
-        else {
-            return;
-        };
-        if let Some(surface) = surface
-            .as_ref()
-            .filter(|_| Arc::ptr_eq(&scene, &self.scene))
-            .filter(|_| (method, asked) == (self.method, self.asked))
-        {
-            // Nothing but the surface has changed.
-            return self.resume(surface.clone());
-        }
-        (self.method, self.asked) = (method, asked);
-        if surface.is_none() {
-            self.target = self.limits.1;
-        }
-        if self.set_scene((*scene).clone())
-            && let Some(surface) = surface
-        {
-            self.resume(surface);
         }
     }
 
@@ -540,11 +483,9 @@ impl ViewState {
         self.run.direction = state.direction;
         self.hint_after_state(&state);
         self.run.curve.push(&state, &self.model.law);
-        self.run.stiffness.push_with(
-            &state,
-            &self.model.law,
-            eigenvalue_scale(state.stiffness_min),
-        );
+        let law = &self.model.law;
+        let stiffness = &mut self.run.stiffness;
+        stiffness.push_with(&state, law, state.stiffness_min);
         if self.run.record.states.len() >= STATES_MAX {
             self.run.record.states.drain(..STATES_MAX / 4);
             self.run.store.forgotten += STATES_MAX / 4;

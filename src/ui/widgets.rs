@@ -1,6 +1,7 @@
 //! What panels are made of: numbers as people type them and the fields they are typed into, buttons
 //! and pictures with a name, jobs under way.
 
+use super::action::Action;
 use super::theme::{self, Palette};
 use super::words::{explain, explain_parameter};
 use crate::physics::parameter::{Dimension, Parameter, Value, number as plain};
@@ -9,7 +10,7 @@ use crate::scene::{Model, Scene};
 use crate::worker::job::Job;
 use egui::emath::format_with_decimals_in_range;
 use egui::{
-    Align, Align2, Context, DragValue, FontId, Id, Label, Layout, Painter, ProgressBar, Rect,
+    Align, Align2, DragValue, FontId, Id, IntoAtoms, Label, Layout, Painter, ProgressBar, Rect,
     Response, Role, Sense, Stroke, StrokeKind, Tooltip, Ui, Vec2, WidgetInfo, WidgetText, pos2,
 };
 use std::cell::RefCell;
@@ -154,9 +155,8 @@ pub fn card(
 ) -> Response {
     let (_, rect) = ui.allocate_space(size);
     let response = ui.interact(rect, Id::unique((group, name)), Sense::click());
-    response.widget_info(|| {
-        WidgetInfo::selected(Role::RadioButton, true, chosen, format!("{group} {name}"))
-    });
+    let named = format!("{group} {name}");
+    choosable(&response, Role::RadioButton, chosen, &named);
     let palette = theme::palette(ui);
     let visuals = ui.style().interact_selectable(&response, chosen);
     let painter = ui.painter().with_clip_rect(rect.intersect(ui.clip_rect()));
@@ -189,60 +189,56 @@ pub fn card(
     response
 }
 
-/// A value with a name.
+/// A value with a name; a double click on the name brings back what it is in the scene that was
+/// opened.
 pub fn number(
     ui: &mut Ui,
+    actions: &mut Vec<Action>,
     parameter: &Parameter,
     value: f64,
     range: RangeInclusive<f64>,
     unit: &str,
 ) -> Option<f64> {
-    let name = parameter.title();
     let suffix = if unit.is_empty() {
         String::new()
     } else {
         format!(" {unit}")
     };
     let entry = Entry {
-        name: &name,
+        name: &parameter.title(),
         value,
         range,
         speed: (value.abs() * 0.005).max(1e-4),
         decimals: 6,
         suffix: &suffix,
     };
+    entered(ui, actions, parameter, entry)
+}
+
+/// The row of a parameter's field.
+fn entered(
+    ui: &mut Ui,
+    actions: &mut Vec<Action>,
+    parameter: &Parameter,
+    entry: Entry<'_>,
+) -> Option<f64> {
     let mut entered = None;
     let explained = |response| explain_parameter(response, parameter);
-    let label = row(ui, name.as_str(), explained, |ui| {
+    let label = row(ui, entry.name, explained, |ui| {
         let (value, response) = entry.show(ui);
         entered = value;
         response
     });
-    ask_back(&label, parameter);
-    entered
-}
-
-/// A double click on the name of a number asks for what it is in the scene that was opened.
-fn ask_back(label: &Response, parameter: &Parameter) {
     if label.double_clicked() {
-        label
-            .ctx
-            .data_mut(|data| data.insert_temp(asked_back(), parameter.key));
+        actions.push(Action::BringBack(parameter.key));
     }
-}
-
-fn asked_back() -> Id {
-    Id::unique("number_asked_back")
-}
-
-/// The key of the number that was asked back in this frame.
-pub fn take_asked_back(ctx: &Context) -> Option<&'static str> {
-    ctx.data_mut(|data| data.remove_temp(asked_back()))
+    entered
 }
 
 /// The same of a number with E* = 1, which is shown as the scene's file gives it.
 pub fn given(
     ui: &mut Ui,
+    actions: &mut Vec<Action>,
     scene: &Scene,
     parameter: &Parameter,
     value: f64,
@@ -254,13 +250,14 @@ pub fn given(
         word.replace("um", "µm").replace("uJ", "µJ")
     });
     let shown = scene.number_given(of, value);
-    number(ui, parameter, shown, range, &word).map(|new| scene.number_taken(of, new))
+    number(ui, actions, parameter, shown, range, &word).map(|new| scene.number_taken(of, new))
 }
 
 /// What only a law or a ground has, lengths as those of the gap; `None` while nothing is edited. A value that
 /// is refused beside the others is said to be by the scene.
 pub fn own(
     ui: &mut Ui,
+    actions: &mut Vec<Action>,
     parameters: &[Parameter],
     values: &[Value],
     model: &Model,
@@ -277,22 +274,29 @@ pub fn own(
         let most = (high as u64).min(SEED_MAX);
         match value {
             Value::Number(x) => {
-                *x = number(ui, parameter, *x / unit, low / unit..=high / unit, word)
+                let range = low / unit..=high / unit;
+                *x = number(ui, actions, parameter, *x / unit, range, word)
                     .map_or(*x, |new| new * unit);
             }
             Value::Whole(n) => {
                 let named = (parameter, &*parameter.title());
-                *n = whole(ui, named, *n, low as u64..=most).unwrap_or(*n);
+                *n = whole(ui, actions, named, *n, low as u64..=most).unwrap_or(*n);
             }
             Value::Counts(both) => {
                 for (count, axis) in both.iter_mut().zip(["x", "y"]) {
                     let name = format!("{} along {axis}", parameter.label);
-                    *count = whole(ui, (parameter, &name), *count as u64, low as u64..=most)
-                        .map_or(*count, |new| new as usize);
+                    *count = whole(
+                        ui,
+                        actions,
+                        (parameter, &name),
+                        *count as u64,
+                        low as u64..=most,
+                    )
+                    .map_or(*count, |new| new as usize);
                 }
             }
             Value::Flag(flag) => {
-                explain_parameter(ui.checkbox(flag, parameter.label), parameter);
+                explain_parameter(checkbox(ui, flag, parameter.label), parameter);
             }
             Value::Choice { chosen, words } => {
                 let explained = |response| explain_parameter(response, parameter);
@@ -316,6 +320,7 @@ pub fn own(
 /// The same for a whole number, at most [`SEED_MAX`], under this name.
 pub fn whole(
     ui: &mut Ui,
+    actions: &mut Vec<Action>,
     (parameter, name): (&Parameter, &str),
     value: u64,
     range: RangeInclusive<u64>,
@@ -328,15 +333,7 @@ pub fn whole(
         decimals: 0,
         suffix: "",
     };
-    let mut entered = None;
-    let explained = |response| explain_parameter(response, parameter);
-    let label = row(ui, name, explained, |ui| {
-        let (value, response) = entry.show(ui);
-        entered = value;
-        response
-    });
-    ask_back(&label, parameter);
-    entered.map(|value| value as u64)
+    entered(ui, actions, parameter, entry).map(|value| value as u64)
 }
 
 /// A name on the left, and on the right what it names.
@@ -364,6 +361,45 @@ fn row(
     .inner
 }
 
+/// Draws boxes and circles of choices with an edge.
+fn edged(ui: &mut Ui, add: impl FnOnce(&mut Ui) -> Response) -> Response {
+    let (plain, edge) = (ui.visuals().widgets.inactive, theme::edge(ui.visuals()));
+    ui.visuals_mut().widgets.inactive.bg_stroke = edge;
+    let response = add(ui);
+    ui.visuals_mut().widgets.inactive = plain;
+    response
+}
+
+/// A box to be ticked.
+pub fn checkbox<'a>(ui: &mut Ui, ticked: &'a mut bool, text: impl IntoAtoms<'a>) -> Response {
+    edged(ui, |ui| ui.checkbox(ticked, text))
+}
+
+/// One of several choices, chosen if its value is the present one.
+pub fn radio<'a, V: PartialEq>(
+    ui: &mut Ui,
+    present: &V,
+    value: &V,
+    text: impl IntoAtoms<'a>,
+) -> Response {
+    edged(ui, |ui| ui.radio(present == value, text))
+}
+
+/// The same, which becomes the present one by a click.
+pub fn radio_value<'a, V: PartialEq>(
+    ui: &mut Ui,
+    present: &mut V,
+    value: V,
+    text: impl IntoAtoms<'a>,
+) -> Response {
+    let mut response = radio(ui, present, &value, text);
+    if response.clicked() && *present != value {
+        *present = value;
+        response.mark_changed();
+    }
+    response
+}
+
 /// Gives a button a name that says more than its face.
 pub fn named(button: Response, name: &str) -> Response {
     named_as(Role::Button, button, name)
@@ -373,6 +409,11 @@ pub fn named(button: Response, name: &str) -> Response {
 pub fn named_as(role: Role, widget: Response, name: &str) -> Response {
     widget.widget_info(|| WidgetInfo::labeled(role, widget.enabled(), name));
     explain(widget, name)
+}
+
+/// Gives something that is chosen or not a name.
+pub fn choosable(widget: &Response, role: Role, chosen: bool, name: &str) {
+    widget.widget_info(|| WidgetInfo::selected(role, true, chosen, name));
 }
 
 /// Says in a sentence what a picture shows.

@@ -12,7 +12,7 @@ use std::path::Path;
 use std::process::{Command, Output, Stdio};
 use tackscope::physics::grid::Grid;
 use tackscope::physics::system::System;
-use tackscope::plot::colours::Colours;
+use tackscope::plot::style::Colours;
 use tackscope::scene::Model;
 use tackscope::storage::film::{FilmKind, Shot, write_film};
 use tackscope::storage::{Failure, VERSION, presets, scene_file};

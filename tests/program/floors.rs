@@ -363,7 +363,7 @@ fn no_files_depend_on_each_other_in_a_circle() {
     );
     assert!(
         arrows["follow/walk"].contains("solver/method")
-            && arrows["ui/app"].contains("ui/loop_plot")
+            && arrows["ui/files"].contains("ui/loop_plot")
     );
     assert_eq!(circles(&arrows), Vec::<String>::new());
 }

@@ -356,11 +356,11 @@ fn an_interrupted_comparison_is_an_interruption_and_the_loop_stays() {
         running.signal("INT");
         let (code, told) = running.end();
         assert_eq!(code, Some(130), "{option} ({second}): {told}");
-        assert!(
-            told.contains(&format!(
+        says(
+            &told,
+            &[&format!(
                 "interrupted before the {word} was done; the loop itself is complete"
-            )),
-            "{told}"
+            )],
         );
         let summary = summary(home.path());
         assert_eq!(

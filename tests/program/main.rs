@@ -4,14 +4,13 @@
 mod binary;
 mod command_line;
 mod data;
-mod explorer;
 mod files;
 mod floors;
+mod guide;
 mod height_formats;
 mod heights;
 mod hostile_scenes;
 mod kills;
-mod lessons;
 mod scene_files;
 mod sweep;
 mod units;

@@ -2,6 +2,7 @@
 //! mark.
 
 use super::bench::Bench;
+use super::hand::Hand;
 use egui::pos2;
 use egui_kittest::kittest::{NodeT, Queryable};
 use tackscope::scene::part::Strategy;
@@ -67,17 +68,13 @@ fn a_chart_is_asked_for_shown_as_it_comes_and_cancelled() {
         floor: None,
     });
     bench.settle();
-    let names = bench.names();
-    assert!(
-        names.contains("fire, whole, n = 48")
-            && names.contains("1 points measured, 0 of them failed"),
-        "{names}"
-    );
+    bench.says("fire, whole, n = 48");
+    bench.says("1 points measured, 0 of them failed");
     bench.click("Cancel");
     assert!(report.cancel.requested());
     report.end(Ok(()));
     bench.settle();
-    assert!(bench.window.query_by_label("Run full").is_some());
+    assert!(bench.query_by_label("Run full").is_some());
     assert!(
         bench.names().contains("1 points measured"),
         "what was measured stays"
@@ -94,10 +91,7 @@ fn every_mark_is_found_by_the_pointer_failures_on_the_top_edge_and_a_click_makes
     report.result(chart());
     report.end(Ok(()));
     bench.settle();
-    let plot = bench
-        .window
-        .get_by_label("Speed against accuracy: 3 points measured, 1 of them failed")
-        .rect();
+    let plot = bench.place_of("Speed against accuracy: 3 points measured, 1 of them failed");
     // Which row the pointer is on is known by what is said beside it.
     let mut found: Vec<(&str, egui::Pos2)> = Vec::new();
     for i in 0..(plot.height() / 8.0) as usize {
@@ -106,9 +100,9 @@ fn every_mark_is_found_by_the_pointer_failures_on_the_top_edge_and_a_click_makes
                 plot.left() + 3.0 + 8.0 * k as f32,
                 plot.top() + 3.0 + 8.0 * i as f32,
             );
-            bench.window.hover_at(at);
-            bench.window.step();
-            bench.window.step();
+            bench.hover_at(at);
+            bench.step();
+            bench.step();
             let names = bench.names();
             for word in [
                 "newton, whole, n = 48",
@@ -158,7 +152,7 @@ fn every_mark_is_found_by_the_pointer_failures_on_the_top_edge_and_a_click_makes
         "it is still a chart of this loop"
     );
     bench.click("law cosine");
-    assert!(!bench.names().contains("points measured"));
+    bench.lacks("points measured");
 }
 
 #[test]
@@ -193,7 +187,7 @@ fn one_measurement_is_under_way_at_a_time_and_ends_with_its_run_and_the_layout_i
 
     bench.click("transforms");
     let transforms = |bench: &Bench| {
-        let radio = bench.window.get_by_label("transforms");
+        let radio = bench.get_by_label("transforms");
         radio.accesskit_node().toggled() == Some(egui::accesskit::Toggled::True)
     };
     assert!(transforms(&bench));
@@ -220,16 +214,16 @@ fn marks_come_from_a_job_and_a_click_opens_the_scene_of_one_until_it_is_undone()
     bench.click("Compute");
     bench.run_jobs();
     let said = "Study of law.range: 3 of 3 loops; a click opens one";
-    assert!(bench.names().contains(said), "{}", bench.names());
-    let picture = bench.window.get_by_label(said).rect();
+    bench.says(said);
+    let picture = bench.place_of(said);
     // The first mark: the loss falls with the range, so that it is the highest on the left.
     let mut at = picture.left_top();
     'search: for x in 30..160 {
         for y in 0..60 {
             at = picture.left_top() + egui::vec2(x as f32, y as f32);
-            bench.window.hover_at(at);
-            bench.window.step();
-            if bench.window.output().platform_output.cursor_icon == egui::CursorIcon::PointingHand {
+            bench.hover_at(at);
+            bench.step();
+            if bench.output().platform_output.cursor_icon == egui::CursorIcon::PointingHand {
                 break 'search;
             }
         }
@@ -252,11 +246,7 @@ fn a_value_that_is_refused_is_a_mark_of_its_own_and_said() {
     bench.enter("to", "4.2");
     bench.click("Compute");
     bench.run_jobs();
-    let names = bench.names();
-    assert!(
-        names.contains("Study of drive.start: 2 of 2 loops, 1 failed"),
-        "{names}"
-    );
+    bench.says("Study of drive.start: 2 of 2 loops, 1 failed");
 }
 
 #[test]
@@ -264,11 +254,7 @@ fn a_study_of_another_scene_is_not_shown() {
     let mut bench = bench();
     bench.click("Compute");
     bench.run_jobs();
-    assert!(bench.names().contains("Study of law.range"));
-    bench.press(egui::Modifiers::NONE, egui::Key::Num2);
-    assert!(
-        !bench.names().contains("Study of law.range"),
-        "{}",
-        bench.names()
-    );
+    bench.says("Study of law.range");
+    bench.tap(egui::Key::Num2);
+    bench.lacks("Study of law.range");
 }

@@ -1,12 +1,14 @@
 //! The window under test, and the solver it talks to.
 
+use super::hand::{Hand, Window, named_from};
 use egui::{Key, Modifiers, vec2};
 use egui_kittest::Harness;
-use egui_kittest::kittest::{NodeT, Queryable};
+use egui_kittest::kittest::Queryable;
 use ndarray::Array2;
 use std::any::Any;
 use std::cell::RefCell;
-use std::path::{Path, PathBuf};
+use std::ops::{Deref, DerefMut};
+use std::path::PathBuf;
 use std::rc::Rc;
 use std::sync::{Arc, Mutex};
 use tackscope::follow::diagram::Diagram;
@@ -14,7 +16,7 @@ use tackscope::follow::record::{Cause, Direction, JumpRecord, StateRecord};
 use tackscope::physics::pattern::Pattern;
 use tackscope::physics::theory::flat;
 use tackscope::scene::part::Part;
-use tackscope::scene::{Model, Scene};
+use tackscope::scene::{Model, Points, Scene};
 use tackscope::solver::Stop;
 use tackscope::storage::presets;
 use tackscope::study::chart::Effort;
@@ -67,27 +69,36 @@ pub type Silent = Arc<Mutex<(usize, Result<(), String>)>>;
 
 /// The window under test.
 pub struct Bench {
-    pub window: Harness<'static, App>,
+    window: Window,
     solver: FakeSolver,
     pub model: Model,
     pub player: Silent,
 }
 
-/// What has a name that begins with these words.
-pub fn named_from<'a>(
-    window: &'a Harness<'static, App>,
-    words: &'a str,
-) -> Option<egui_kittest::Node<'a>> {
-    let begins = |node: &egui_kittest::Node<'_>| {
-        let name = node.accesskit_node().label();
-        name.is_some_and(|name| name.starts_with(words))
-    };
-    window.query_all_by_label_contains(words).find(begins)
-}
-
 /// The scene the window opens with.
 pub fn fig2() -> Scene {
     presets::resolve("fig2").unwrap()
+}
+
+/// The same with so many points along each side.
+pub fn coarse(points: usize) -> Scene {
+    let mut scene = fig2();
+    scene.cell.points = Points::Square(points);
+    scene
+}
+
+impl Deref for Bench {
+    type Target = Window;
+
+    fn deref(&self) -> &Window {
+        &self.window
+    }
+}
+
+impl DerefMut for Bench {
+    fn deref_mut(&mut self) -> &mut Window {
+        &mut self.window
+    }
 }
 
 impl Bench {
@@ -143,15 +154,13 @@ impl Bench {
     }
 
     pub fn state(&self) -> &ViewState {
-        self.window.state().state()
+        self.window.view()
     }
 
     /// The commands since the last call.
     pub fn heard(&self) -> Vec<Command> {
-        self.heard_of()
-            .into_iter()
-            .map(|envelope| envelope.message)
-            .collect()
+        let heard = self.heard_of().into_iter();
+        heard.map(|envelope| envelope.message).collect()
     }
 
     /// The same with their runs.
@@ -204,24 +213,22 @@ impl Bench {
         self.begun()
     }
 
+    /// Where the solver was told to go since the last call.
     pub fn targets(&self) -> Vec<f64> {
-        self.heard()
-            .into_iter()
-            .filter_map(|command| match command {
-                Command::SetTarget { control, .. } => Some(control),
-                _ => None,
-            })
-            .collect()
+        let target = |command| match command {
+            Command::SetTarget { control, .. } => Some(control),
+            _ => None,
+        };
+        self.heard().into_iter().filter_map(target).collect()
     }
 
+    /// The scenes that it was told since the last call.
     pub fn scenes(&self) -> Vec<Arc<Scene>> {
-        self.heard()
-            .into_iter()
-            .filter_map(|command| match command {
-                Command::SetScene { scene, .. } => Some(scene),
-                _ => None,
-            })
-            .collect()
+        let scene = |command| match command {
+            Command::SetScene { scene, .. } => Some(scene),
+            _ => None,
+        };
+        self.heard().into_iter().filter_map(scene).collect()
     }
 
     /// The solver says something of the present run.
@@ -231,13 +238,7 @@ impl Bench {
 
     /// The solver says something of this run.
     pub fn say_of(&mut self, run: RunId, message: Event) {
-        self.solver
-            .0
-            .borrow_mut()
-            .events
-            .push(Envelope { run, message });
-        self.window.step();
-        self.settle();
+        self.hear([Envelope { run, message }]);
     }
 
     /// The solver accepts the scene and says which model runs.
@@ -292,6 +293,10 @@ impl Bench {
         let run = self.state().run.id;
         let said = [Event::State(state), Event::Frame(Arc::new(frame))]
             .map(|message| Envelope { run, message });
+        self.hear(said);
+    }
+
+    fn hear(&mut self, said: impl IntoIterator<Item = Envelope<Event>>) {
         self.solver.0.borrow_mut().events.extend(said);
         self.window.step();
         self.settle();
@@ -321,8 +326,7 @@ impl Bench {
 
     pub fn click(&mut self, label: &str) {
         self.unfold(label);
-        self.window.get_by_label(label).click();
-        self.settle();
+        self.window.hit(label);
     }
 
     /// Brings a control into sight as people do: it scrolls, and what is not there is looked for in
@@ -341,11 +345,9 @@ impl Bench {
                 return;
             }
             if self.scroll_to(fold) {
-                self.window.get_by_label(fold).click();
-                self.settle();
+                self.window.hit(fold);
                 if !self.scroll_to(label) && fold != "Scene" {
-                    self.window.get_by_label(fold).click();
-                    self.settle();
+                    self.window.hit(fold);
                 }
             }
         }
@@ -353,11 +355,8 @@ impl Bench {
 
     /// Scrolls to a control that is there, above the status bar; false if there is none.
     fn scroll_to(&mut self, label: &str) -> bool {
-        let sight = self
-            .window
-            .ctx
-            .content_rect()
-            .with_max_y(self.window.ctx.content_rect().max.y - 40.0);
+        let screen = self.window.ctx.content_rect();
+        let sight = screen.with_max_y(screen.max.y - 40.0);
         let Some(node) = self.window.query_all_by_label(label).next() else {
             return false;
         };
@@ -384,7 +383,7 @@ impl Bench {
             bench.settle();
         };
         open(self);
-        let names = self.names();
+        let names = self.window.names();
         self.press(Modifiers::NONE, Key::Escape);
         names
     }
@@ -399,58 +398,36 @@ impl Bench {
         self.unfold(label);
         self.window.get_by_label(label).scroll_to_me();
         self.settle();
-        let from = self.window.get_by_label(label).rect().center();
-        self.window.hover_at(from);
-        self.window.step();
-        self.window.drag_at(from);
-        self.window.step();
-        for step in by {
-            self.window.hover_at(from + *step);
-            self.window.step();
-        }
-        self.window
-            .drop_at(from + by.last().copied().unwrap_or_default());
-        self.settle();
+        let from = self.window.place_of(label).center();
+        self.window.drag_along(from, by);
     }
 
     /// Types into the field with this label.
     pub fn enter(&mut self, label: &str, text: &str) {
         self.unfold(label);
-        let field = self
-            .window
-            .get_by_role_and_label(egui::Role::SpinButton, label);
-        field.scroll_to_me();
+        self.window.field(label).scroll_to_me();
         self.settle();
-        let field = self
-            .window
-            .get_by_role_and_label(egui::Role::SpinButton, label);
-        field.click();
+        self.window.field(label).click();
         self.window.run();
-        self.window.key_press_modifiers(Modifiers::COMMAND, Key::A);
-        self.window.run();
-        self.window.event(egui::Event::Text(text.to_owned()));
-        self.window.run();
-        self.window.key_press(Key::Enter);
-        self.settle();
+        self.window.write_over(text);
+        self.press(Modifiers::NONE, Key::Enter);
+    }
+
+    /// Runs what the palette finds; everything that was said before that.
+    pub fn command(&mut self, words: &str) -> String {
+        self.press(Modifiers::COMMAND, Key::K);
+        self.window.write(words);
+        let found = self.window.names();
+        self.press(Modifiers::NONE, Key::Enter);
+        found
     }
 
     /// The accessible sentence of the plot.
     pub fn plot_sentence(&self) -> String {
-        self.names()
-            .lines()
-            .find(|line| line.starts_with("Stress against u0:"))
-            .expect("the plot says a sentence")
-            .to_owned()
-    }
-
-    /// Clicks at a place.
-    pub fn click_at(&mut self, at: egui::Pos2) {
-        self.window.hover_at(at);
-        self.window.step();
-        self.window.drag_at(at);
-        self.window.step();
-        self.window.drop_at(at);
-        self.settle();
+        let names = self.window.names();
+        let mut lines = names.lines();
+        let sentence = lines.find(|line| line.starts_with("Stress against u0:"));
+        sentence.expect("the plot says a sentence").to_owned()
     }
 
     /// Presses a button of the mouse at a place, or lets it go.
@@ -462,33 +439,5 @@ impl Bench {
             modifiers: Modifiers::NONE,
         });
         self.window.step();
-    }
-
-    /// Types a path into the open dialog, in place of what is there.
-    pub fn type_path(&mut self, path: &Path) {
-        self.window.key_press_modifiers(Modifiers::COMMAND, Key::A);
-        self.window.run();
-        let text = path.display().to_string();
-        self.window.event(egui::Event::Text(text));
-        self.window.run();
-    }
-
-    pub fn names(&self) -> String {
-        fn walk(node: egui_kittest::Node<'_>, all: &mut String) {
-            if let Some(label) = node.accesskit_node().label() {
-                all.push_str(&label);
-                all.push('\n');
-            }
-            if let Some(value) = node.accesskit_node().value() {
-                all.push_str(&value);
-                all.push('\n');
-            }
-            for child in node.children() {
-                walk(child, all);
-            }
-        }
-        let mut all = String::new();
-        walk(self.window.root(), &mut all);
-        all
     }
 }

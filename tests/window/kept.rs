@@ -1,27 +1,27 @@
 //! Loops that are kept: the list, the scales, and a scene beside the present one.
 
 use super::bench::{Bench, fig2};
-use super::foreseen::at_rest;
-use super::stored::{press_at, run};
-use egui::{Key, Modifiers};
-use egui_kittest::Harness;
-use egui_kittest::kittest::{NodeT, Queryable};
+use super::hand::{Hand, Window};
+use super::stored::at_rest;
+use super::stored::run;
+use egui::Key;
+use egui_kittest::kittest::Queryable;
 use tackscope::follow::record::Direction;
 use tackscope::plot::panel::Role;
 use tackscope::study::live_loop::{Fineness, LiveLoops};
-use tackscope::ui::App;
 use tackscope::ui::view_state::Kept;
 
 /// Three states of Fig. 2, kept, under another law.
 fn kept() -> (Bench, Vec<[f64; 2]>) {
     let mut bench = Bench::new();
-    bench.press(Modifiers::NONE, Key::L);
-    assert!(list(&bench).is_empty() && bench.names().contains("no loop to keep"));
+    bench.tap(Key::L);
+    assert!(list(&bench).is_empty());
+    bench.says("no loop to keep");
     for u0 in [4.0, 3.9, 3.8] {
         bench.reach(u0, Direction::Approach);
     }
     let drawn = bench.state().run.curve.points().collect();
-    bench.press(Modifiers::NONE, Key::L);
+    bench.tap(Key::L);
     bench.click("law cosine");
     bench.click("Loops tab");
     (bench, drawn)
@@ -61,12 +61,9 @@ fn a_kept_loop_is_hidden_and_renamed_in_place_and_its_scene_is_opened_again() {
     bench.click(&format!("Show {title}"));
     assert_eq!(bench.state().plots.kept.drawn().count(), 1);
     bench.click(&format!("Name of {title}"));
-    bench.window.key_press_modifiers(Modifiers::COMMAND, Key::A);
-    bench.window.run();
-    bench.window.event(egui::Event::Text("first".to_owned()));
-    bench.settle();
+    bench.write_over("first");
     assert_eq!(list(&bench)[0].name, "first");
-    assert!(bench.names().contains("first"));
+    bench.says("first");
     bench.click("Open the scene of first");
     assert_eq!(*bench.state().scene, fig2());
     assert_eq!(list(&bench).len(), 1, "it stays");
@@ -101,10 +98,10 @@ fn more_loops_than_can_be_told_apart_are_refused_in_words() {
         bench.reach(u0, Direction::Approach);
     }
     for _ in 0..9 {
-        bench.press(Modifiers::NONE, Key::L);
+        bench.tap(Key::L);
     }
     assert_eq!(list(&bench).len(), 8);
-    assert!(bench.names().contains("delete one of them first"));
+    bench.says("delete one of them first");
     let looks: Vec<_> = list(&bench).iter().map(Kept::look).collect();
     for (i, a) in looks.iter().enumerate() {
         assert!(!looks[..i].contains(a), "{a:?} twice");
@@ -113,31 +110,23 @@ fn more_loops_than_can_be_told_apart_are_refused_in_words() {
 }
 
 /// The accessible sentence of the map beside.
-fn map_b(window: &Harness<'static, App>) -> String {
-    let node = window.get_by_label_contains("B, ");
-    node.accesskit_node().label().expect("a name").clone()
+fn map_b(window: &Window) -> String {
+    window.name("B, ")
 }
 
 #[test]
 fn the_scene_before_the_edit_stands_beside_this_one_at_the_same_u0() {
     let mut window = at_rest();
-    let before = window.state().state().scene.clone();
-    window.get_by_label("law double exponential").click();
-    window.run();
-    window.get_by_label("Loops tab").click();
-    window.run();
-    window
-        .get_by_label("Compare with the scene before the last edit")
-        .click();
-    window.run();
-    let drive = |window: &mut Harness<'static, App>, key: Key| {
+    let before = window.view().scene.clone();
+    window.hit("law double exponential");
+    window.hit("Loops tab");
+    window.hit("Compare with the scene before the last edit");
+    let drive = |window: &mut Window, key: Key| {
         window.key_press(key);
-        for _ in 0..400 {
-            window.step();
-        }
+        window.run_steps(400);
     };
     drive(&mut window, Key::PageDown);
-    let state = window.state().state();
+    let state = window.view();
     let (beside, kept) = state.beside().expect("B");
     assert_eq!(kept.scene, before);
     let frame = beside.shown.as_ref().expect("a surface");
@@ -158,30 +147,18 @@ fn the_scene_before_the_edit_stands_beside_this_one_at_the_same_u0() {
             .unwrap()
             .dissipated_energy
     };
-    let (a, b) = (loss(&window.state().state().scene), loss(&before));
-    let words = window
-        .state()
-        .state()
-        .losses_in_words()
-        .expect("both are known");
+    let (a, b) = (loss(&window.view().scene), loss(&before));
+    let words = window.view().losses_in_words().expect("both are known");
     assert!(
         words.starts_with(&format!("A loses {a:.4}, B {b:.4} γ")),
         "{words}"
     );
     // A drag on B drives both.
-    let target = window.state().state().target;
-    let at = window.get_by_label_contains("B, ").rect().center();
-    window.hover_at(at);
-    window.step();
-    window.drag_at(at);
-    window.step();
-    window.hover_at(at + egui::vec2(0.0, 20.0));
-    window.step();
-    window.drop_at(at + egui::vec2(0.0, 20.0));
-    for _ in 0..200 {
-        window.step();
-    }
-    let state = window.state().state();
+    let target = window.view().target;
+    let at = window.place("B, ").center();
+    window.drag_along(at, &[egui::vec2(0.0, 20.0)]);
+    window.run_steps(200);
+    let state = window.view();
     assert!(state.target < target);
     let frame = state
         .beside()
@@ -198,10 +175,8 @@ fn the_scene_before_the_edit_stands_beside_this_one_at_the_same_u0() {
 #[test]
 fn both_maps_are_large_enough_to_be_seen_in_a_small_window() {
     let mut window = at_rest();
-    window.get_by_label("law double exponential").click();
-    window.run();
-    window.get_by_label("Loops tab").click();
-    window.run();
+    window.hit("law double exponential");
+    window.hit("Loops tab");
     window
         .get_by_label("Compare with the scene before the last edit")
         .click();
@@ -213,8 +188,8 @@ fn both_maps_are_large_enough_to_be_seen_in_a_small_window() {
     ] {
         window.set_size(size);
         window.run();
-        let [a, b] = ["Gap map:", "B, "].map(|map| window.get_by_label_contains(map).rect());
-        let foot = window.get_by_label_contains("Profile along").rect().top();
+        let [a, b] = ["Gap map:", "B, "].map(|map| window.place(map));
+        let foot = window.place("Profile along").top();
         assert_eq!(a.size(), b.size());
         assert!(
             a.width() >= least && (a.width() - a.height()).abs() < 0.1,
@@ -232,22 +207,15 @@ fn a_scene_without_an_atlas_says_beside_why_there_is_nothing_to_see() {
     let mut window = at_rest();
     // The tip.
     window.key_press(Key::Num6);
-    for _ in 0..20 {
-        window.step();
-    }
-    assert!(window.state().state().live().is_none(), "no atlas");
+    window.run_steps(20);
+    assert!(window.view().live().is_none(), "no atlas");
     window.get_by_label("law cosine").click();
-    for _ in 0..20 {
-        window.step();
-    }
-    window.get_by_label("Loops tab").click();
-    window.run();
+    window.run_steps(20);
+    window.hit("Loops tab");
     window
         .get_by_label("Compare with the scene before the last edit")
         .click();
-    for _ in 0..20 {
-        window.step();
-    }
+    window.run_steps(20);
     let words = map_b(&window);
     assert!(words.contains("it has no live loop"), "{words}");
 }
@@ -255,19 +223,14 @@ fn a_scene_without_an_atlas_says_beside_why_there_is_nothing_to_see() {
 #[test]
 fn a_click_on_a_kept_loop_of_another_scene_says_why_its_state_is_not_shown() {
     let mut window = at_rest();
-    window.key_press(Key::L);
-    window.run();
-    assert!(!window.state().state().plots.kept.list[0].is_walked);
-    window.get_by_label("law cosine").click();
-    window.run();
-    let place = window.get_by_label_contains("Stress against u0:").rect();
+    window.tap(Key::L);
+    assert!(!window.view().plots.kept.list[0].is_walked);
+    window.hit("law cosine");
+    let place = window.place("Stress against u0:");
     let x = place.left() + 0.5 * place.width();
     let said = (0..80).any(|k| {
-        press_at(
-            &mut window,
-            egui::pos2(x, place.bottom() - 30.0 - 4.0 * k as f32),
-        );
-        let notice = window.state().state().messages.notice.clone();
+        window.click_at(egui::pos2(x, place.bottom() - 30.0 - 4.0 * k as f32));
+        let notice = window.view().messages.notice.clone();
         notice.is_some_and(|words| words.contains("is of another scene"))
     });
     assert!(said);

@@ -1,7 +1,8 @@
 //! How the panels share the window, at every size and zoom; and that nothing moves when a word comes.
 
 use super::bench::Bench;
-use egui::{Key, Modifiers, Rect, Role, pos2, vec2};
+use super::hand::Hand;
+use egui::{Key, Rect, Role, pos2, vec2};
 use egui_kittest::kittest::Queryable;
 use tackscope::follow::record::Direction;
 use tackscope::worker::protocol::{Event, Failure};
@@ -30,17 +31,12 @@ fn each(mut look: impl FnMut(&mut Bench, Rect, &str)) {
     }
 }
 
-fn place(bench: &Bench, label: &str) -> Rect {
-    bench.window.get_by_label(label).rect()
-}
-
 /// Shows a panel that is not in sight.
 fn turn_to(bench: &mut Bench, page: &str) {
-    if bench.window.query_by_label(page).is_none() && bench.window.query_by_label("Page").is_some()
-    {
+    if bench.query_by_label(page).is_none() && bench.query_by_label("Page").is_some() {
         bench.click("Page");
     }
-    if bench.window.query_by_label(page).is_some() {
+    if bench.query_by_label(page).is_some() {
         bench.click(page);
     }
 }
@@ -56,7 +52,7 @@ fn the_bar_is_one_row_at_every_size_and_zoom_and_nothing_of_it_is_cut() {
             "Pause",
             "Menu",
         ];
-        let places = bar.map(|label| place(bench, label));
+        let places = bar.map(|label| bench.place_of(label));
         for (label, rect) in bar.iter().zip(places) {
             assert!(screen.contains_rect(rect), "{label} {rect:?}, {which}");
             let off = (rect.center().y - places[0].center().y).abs();
@@ -77,7 +73,7 @@ fn every_panel_is_in_sight_or_one_choice_away_and_inside_at_every_size_and_zoom(
         ] {
             turn_to(bench, page);
             for label in labels {
-                let rect = place(bench, label);
+                let rect = bench.place_of(label);
                 let inside = rect.min.x >= 0.0 && rect.max.x <= screen.max.x;
                 assert!(inside && rect.width() > 8.0, "{label} {rect:?}, {which}");
             }
@@ -94,7 +90,7 @@ fn both_headlines_stand_over_map_and_plot_at_every_size_and_zoom() {
             ("Curve", "Nothing lost yet", 18.0, 28.0),
         ] {
             turn_to(bench, page);
-            let height = place(bench, words).height();
+            let height = bench.place_of(words).height();
             let wanted = if full { at_full } else { least };
             assert!(height >= wanted, "{words} is {height} high, {which}");
         }
@@ -106,7 +102,7 @@ fn the_tabs_are_one_row_with_the_chosen_one_in_it_and_the_others_in_a_menu() {
     each(|bench, screen, which| {
         turn_to(bench, "Curve");
         let tabs = |bench: &Bench| -> Vec<Rect> {
-            let all = bench.window.query_all_by_role(Role::Tab);
+            let all = bench.query_all_by_role(Role::Tab);
             all.map(|tab| tab.rect()).collect()
         };
         let row = tabs(bench);
@@ -116,7 +112,7 @@ fn the_tabs_are_one_row_with_the_chosen_one_in_it_and_the_others_in_a_menu() {
             assert!(rect.max.x <= screen.max.x, "{rect:?}, {which}");
         }
         bench.click("Paper tab");
-        let chosen = place(bench, "Paper tab");
+        let chosen = bench.place_of("Paper tab");
         assert_eq!(chosen.center().y, tabs(bench)[0].center().y, "{which}");
     });
 }
@@ -135,17 +131,17 @@ fn nothing_moves_when_a_word_comes() {
             "Fit",
             "Advanced",
         ];
-        let before = fixed.map(|label| place(&bench, label));
+        let before = fixed.map(|label| bench.place_of(label));
         let same = |bench: &Bench, what: &str| {
             for (label, before) in fixed.iter().zip(before) {
-                let now = place(bench, label);
+                let now = bench.place_of(label);
                 assert!(
                     (now.min - before.min).length() < 0.6,
                     "{label}: {before:?} {now:?} {what}"
                 );
             }
         };
-        bench.press(Modifiers::NONE, Key::L);
+        bench.tap(Key::L);
         same(&bench, "a notice");
         bench.say(Event::Failed(Failure {
             message: "did not converge at u0 = 0.31".to_owned(),
@@ -157,7 +153,7 @@ fn nothing_moves_when_a_word_comes() {
         bench.jump(3.102);
         bench.reach(3.0, Direction::Retraction);
         same(&bench, "a jump");
-        bench.press(Modifiers::NONE, Key::End);
+        bench.tap(Key::End);
         same(&bench, "a target");
     }
 }
@@ -165,41 +161,36 @@ fn nothing_moves_when_a_word_comes() {
 #[test]
 fn a_mesh_that_becomes_too_coarse_moves_nothing() {
     let mut bench = Bench::new();
-    let map = place(&bench, "Map options");
+    let map = bench.place_of("Map options");
     bench.click("Advanced");
-    assert_eq!(place(&bench, "Map options"), map, "the fold widens nothing");
-    let before = place(&bench, "Advanced");
+    assert_eq!(
+        bench.place_of("Map options"),
+        map,
+        "the fold widens nothing"
+    );
+    let before = bench.place_of("Advanced");
     bench.click("mu_rho of Hui, 1.09");
-    assert!(bench.names().contains("Mesh: too coarse"));
-    assert_eq!(place(&bench, "Advanced"), before);
+    bench.says("Mesh: too coarse");
+    assert_eq!(bench.place_of("Advanced"), before);
 }
 
 #[test]
 fn a_notice_goes_by_itself() {
     let mut bench = Bench::new();
-    bench.press(Modifiers::NONE, Key::L);
-    assert!(bench.names().contains("no loop to keep"));
+    bench.tap(Key::L);
+    bench.says("no loop to keep");
     // Four frames a second.
-    bench.window.run_steps(45);
-    assert!(!bench.names().contains("no loop to keep"));
+    bench.run_steps(45);
+    bench.lacks("no loop to keep");
 }
 
 #[test]
 fn restore_layout_brings_the_panels_back() {
     let mut bench = Bench::new();
-    let edge = |bench: &Bench| place(bench, "Why tab").min.x;
+    let edge = |bench: &Bench| bench.place_of("Why tab").min.x;
     let before = edge(&bench);
     let from = pos2(before - 8.0, 330.0);
-    bench.window.hover_at(from);
-    bench.window.step();
-    bench.window.drag_at(from);
-    bench.window.step();
-    for by in [20.0, 60.0] {
-        bench.window.hover_at(from - vec2(by, 0.0));
-        bench.window.step();
-    }
-    bench.window.drop_at(from - vec2(60.0, 0.0));
-    bench.settle();
+    bench.drag_along(from, &[vec2(-20.0, 0.0), vec2(-60.0, 0.0)]);
     assert!(edge(&bench) < before - 30.0, "{} {before}", edge(&bench));
     bench.click("Restore layout");
     bench.settle();

@@ -3,40 +3,30 @@
 #![cfg(feature = "gui")]
 
 mod accuracy;
-mod axes;
 mod bench;
-mod branches;
-mod canvas;
-mod cards;
-mod clicks;
-mod dialogs;
-mod foreseen;
-mod ground;
+mod hand;
 mod kept;
-mod landscape;
 mod layout;
 mod lessons;
-mod limits;
-mod live;
-mod model;
+mod outside;
 mod paper;
+mod plot;
 mod push;
 mod random;
 mod reading;
-mod relief;
+mod scene;
 mod screens;
-mod select;
 mod session;
 mod stepped;
 mod stored;
 mod tabs;
-mod units;
 mod why;
 mod wrongs;
 
 use bench::{Bench, fig2};
 use egui::{Key, Modifiers, pos2, vec2};
 use egui_kittest::kittest::Queryable;
+use hand::Hand;
 use tackscope::follow::ledger::{Ledger, Open};
 use tackscope::follow::record::Direction;
 use tackscope::scene::Points;
@@ -105,7 +95,7 @@ fn every_control_is_found_by_its_label() {
         "Fit",
         "More tabs",
     ] {
-        assert_eq!(bench.window.query_all_by_label(label).count(), 1, "{label}");
+        assert_eq!(bench.query_all_by_label(label).count(), 1, "{label}");
     }
 }
 
@@ -154,21 +144,18 @@ fn what_is_folded_away_is_found_by_its_label() {
     ] {
         bench.click(fold);
         for label in labels {
-            assert_eq!(bench.window.query_all_by_label(label).count(), 1, "{label}");
+            assert_eq!(bench.query_all_by_label(label).count(), 1, "{label}");
         }
     }
     for label in ["Target", "Mesh number μᵨ", "Length L", "Range ρ"] {
         assert!(
             bench
-                .window
                 .query_by_role_and_label(egui::Role::SpinButton, label)
                 .is_some(),
             "{label}"
         );
     }
-    let list = bench
-        .window
-        .query_by_role_and_label(egui::Role::ComboBox, "Points n");
+    let list = bench.query_by_role_and_label(egui::Role::ComboBox, "Points n");
     assert!(list.is_some());
 }
 
@@ -194,11 +181,11 @@ fn dragging_the_u0_slider_sends_a_target_for_every_new_value_and_none_at_rest() 
 #[test]
 fn the_thumb_stays_where_the_hand_left_it_while_the_solver_is_on_its_way() {
     let mut bench = Bench::new();
-    bench.press(Modifiers::NONE, Key::End);
+    bench.tap(Key::End);
     bench.reach(3.9, Direction::Approach);
     assert_eq!(bench.state().target, bench.state().limits.0);
     assert_eq!(bench.state().run.actual, 3.9);
-    assert!(bench.names().contains("3.9000 ρ"));
+    bench.says("3.9000 ρ");
 }
 
 #[test]
@@ -258,7 +245,7 @@ fn a_sweep_takes_the_thumb_along() {
 #[test]
 fn the_rest_that_ends_an_older_motion_does_not_take_the_thumb_from_a_sweep() {
     let mut bench = Bench::new();
-    bench.press(Modifiers::NONE, Key::End);
+    bench.tap(Key::End);
     bench.reach(3.9, Direction::Approach);
     bench.click("Stop");
     bench.click("Play retract");
@@ -355,9 +342,10 @@ fn a_named_mesh_of_table_1_sets_its_mu_rho_exactly_and_warns_above_one_half() {
     let mut bench = Bench::new();
     bench.click("mu_rho of Dugdale, 0.798");
     assert!((bench.state().model.mu_rho - 0.798).abs() < 1e-12);
-    assert!(bench.names().contains("Mesh: too coarse"));
+    bench.says("Mesh: too coarse");
     bench.click("Refine");
-    assert!(bench.state().model.mu_rho <= 0.5 && bench.names().contains("Mesh: fine enough"));
+    assert!(bench.state().model.mu_rho <= 0.5);
+    bench.says("Mesh: fine enough");
 }
 
 #[test]
@@ -390,17 +378,17 @@ fn keys_step_coarsely_finely_and_to_the_ends() {
     let (low, high) = bench.state().limits;
     let step = bench.state().scene.drive.step;
     let near = |a: f64, b: f64| assert!((a - b).abs() < 1e-9, "{a} {b}");
-    bench.press(Modifiers::NONE, Key::ArrowLeft);
+    bench.tap(Key::ArrowLeft);
     near(bench.state().target, high - step);
     bench.press(Modifiers::SHIFT, Key::ArrowLeft);
     near(bench.state().target, high - 1.1 * step);
-    bench.press(Modifiers::NONE, Key::PageDown);
+    bench.tap(Key::PageDown);
     near(bench.state().target, high - 11.1 * step);
-    bench.press(Modifiers::NONE, Key::ArrowRight);
+    bench.tap(Key::ArrowRight);
     near(bench.state().target, high - 10.1 * step);
-    bench.press(Modifiers::NONE, Key::End);
+    bench.tap(Key::End);
     assert_eq!(bench.state().target, low);
-    bench.press(Modifiers::NONE, Key::Home);
+    bench.tap(Key::Home);
     assert_eq!(bench.state().target, high);
 }
 
@@ -408,7 +396,7 @@ fn keys_step_coarsely_finely_and_to_the_ends() {
 fn space_plays_and_pauses_period_goes_one_increment_and_r_turns_round() {
     let mut bench = Bench::new();
     bench.heard();
-    bench.press(Modifiers::NONE, Key::Space);
+    bench.tap(Key::Space);
     assert!(matches!(
         bench.heard()[..],
         [Command::Sweep {
@@ -416,28 +404,28 @@ fn space_plays_and_pauses_period_goes_one_increment_and_r_turns_round() {
             ..
         }]
     ));
-    bench.press(Modifiers::NONE, Key::Space);
+    bench.tap(Key::Space);
     assert!(matches!(
         bench.heard()[..],
         [Command::Pause { paused: true }]
     ));
-    bench.press(Modifiers::NONE, Key::Space);
+    bench.tap(Key::Space);
     assert!(matches!(
         bench.heard()[..],
         [Command::Pause { paused: false }]
     ));
-    bench.press(Modifiers::NONE, Key::Escape);
+    bench.tap(Key::Escape);
     assert!(matches!(bench.heard()[..], [Command::Stop { .. }]));
     bench.reach(3.0, Direction::Approach);
     bench.say(Event::Rest {
         motion: 2,
         control: 3.0,
     });
-    bench.press(Modifiers::NONE, Key::Escape);
+    bench.tap(Key::Escape);
     bench.heard();
-    bench.press(Modifiers::NONE, Key::Period);
-    bench.press(Modifiers::NONE, Key::R);
-    bench.press(Modifiers::NONE, Key::Period);
+    bench.tap(Key::Period);
+    bench.tap(Key::R);
+    bench.tap(Key::Period);
     let targets = bench.targets();
     assert!(
         targets.len() == 2 && targets[0] < 3.0 && targets[1] > targets[0],
@@ -450,9 +438,9 @@ fn keys_do_not_fire_while_something_is_typed() {
     let mut bench = Bench::new();
     bench.click("Export data…");
     bench.heard();
-    bench.press(Modifiers::NONE, Key::Space);
-    bench.press(Modifiers::NONE, Key::End);
-    bench.press(Modifiers::NONE, Key::R);
+    bench.tap(Key::Space);
+    bench.tap(Key::End);
+    bench.tap(Key::R);
     assert!(bench.heard().is_empty());
 }
 
@@ -460,7 +448,7 @@ fn keys_do_not_fire_while_something_is_typed() {
 fn number_keys_load_presets() {
     let mut bench = Bench::new();
     bench.heard();
-    bench.press(Modifiers::NONE, Key::Num2);
+    bench.tap(Key::Num2);
     let wanted = scene_file::parse(presets::all()[1].text, "second").expect("a preset is allowed");
     assert_eq!(
         bench
@@ -476,34 +464,30 @@ fn number_keys_load_presets() {
 fn what_to_look_for_in_a_preset_is_one_click_away_while_it_is_edited_too() {
     let mut bench = Bench::new();
     let words = "Lowering u0, the flat surface jumps to a bulge";
-    assert!(!bench.names().contains(words));
+    bench.lacks(words);
     bench.click("What to look for");
-    assert!(bench.names().contains(words), "{}", bench.names());
-    bench.press(Modifiers::NONE, Key::Escape);
+    bench.says(words);
+    bench.tap(Key::Escape);
     bench.click("law cosine");
     bench.click("What to look for");
-    assert!(bench.names().contains(words), "{}", bench.names());
-    bench.press(Modifiers::NONE, Key::Escape);
-    bench.press(Modifiers::NONE, Key::Num3);
+    bench.says(words);
+    bench.tap(Key::Escape);
+    bench.tap(Key::Num3);
     bench.click("What to look for");
-    assert!(
-        bench.names().contains("Nothing jumps."),
-        "{}",
-        bench.names()
-    );
+    bench.says("Nothing jumps.");
 }
 
 #[test]
 fn the_first_jump_is_listed_and_the_hint_goes_on() {
     let mut bench = Bench::new();
     bench.reach(3.2, Direction::Approach);
-    assert!(bench.names().contains("Something will snap."));
+    bench.says("Something will snap.");
     bench.jump(3.102);
     bench.click("Events tab");
-    let names = bench.names();
-    assert!(!names.contains("Something will snap.") && names.contains("Now pull it off again."));
+    bench.lacks("Something will snap.");
+    bench.says("Now pull it off again.");
     for words in ["flat → ridge", "3.102", "0.1234", "flat limit", "1 jump,"] {
-        assert!(names.contains(words), "{words} in {names}");
+        bench.says(words);
     }
 }
 
@@ -520,7 +504,7 @@ fn the_hint_goes_when_the_surface_was_all_the_way_down_without_a_jump() {
 fn a_jump_is_announced_and_a_second_one_not_within_two_seconds() {
     let mut bench = Bench::new();
     let said = |bench: &Bench| bench.state().messages.announced.clone();
-    let time = |bench: &Bench| bench.window.ctx.input(|input| input.time);
+    let time = |bench: &Bench| bench.ctx.input(|input| input.time);
     assert_eq!(said(&bench), "");
     let begun = time(&bench);
     bench.jump(3.1);
@@ -528,7 +512,7 @@ fn a_jump_is_announced_and_a_second_one_not_within_two_seconds() {
     bench.jump(2.9);
     let mut frames = 0;
     while !said(&bench).contains("2.9") {
-        bench.window.step();
+        bench.step();
         frames += 1;
         assert!(frames < 100, "it is never announced");
     }
@@ -539,15 +523,8 @@ fn a_jump_is_announced_and_a_second_one_not_within_two_seconds() {
 fn the_map_and_the_plot_say_one_sentence_each() {
     let mut bench = Bench::new();
     bench.reach(3.9, Direction::Approach);
-    let names = bench.names();
-    assert!(
-        names.contains("Gap map: flat, gap from 3.900 to 3.900 rho"),
-        "{names}"
-    );
-    assert!(
-        names.contains("Stress against u0: flat at u0 3.900 rho"),
-        "{names}"
-    );
+    bench.says("Gap map: flat, gap from 3.900 to 3.900 rho");
+    bench.says("Stress against u0: flat at u0 3.900 rho");
 }
 
 #[test]
@@ -597,11 +574,8 @@ fn a_failure_is_said_in_words_with_its_remedy_and_the_last_good_state_stays() {
         message: "did not converge at u0 = 0.31".to_owned(),
         remedy: "Take a smaller step.".to_owned(),
     }));
-    let names = bench.names();
-    assert!(
-        names.contains("did not converge") && names.contains("Take a smaller step."),
-        "{names}"
-    );
+    bench.says("did not converge");
+    bench.says("Take a smaller step.");
     assert_eq!(bench.state().run.actual, 3.9);
     bench.click("Dismiss");
     assert_eq!(bench.state().messages.failure, None);
@@ -624,7 +598,7 @@ fn a_closed_loop_shades_its_area_and_says_its_number() {
         bench.reach(u0, Direction::Retraction);
     }
     bench.say(Event::Loop(summary(ledger(0.4321, 0.4322))));
-    assert!(bench.names().contains("0.4321 γ lost"), "{}", bench.names());
+    bench.says("0.4321 γ lost");
     assert!(
         bench
             .state()
@@ -673,12 +647,8 @@ fn a_loss_whose_check_fails_is_shown_with_the_doubt_and_an_open_loop_has_none() 
         bench.reach(u0, Direction::Approach);
     }
     bench.say(Event::Loop(summary(ledger(0.4321, 0.3))));
-    let names = bench.names();
-    assert!(
-        names.contains("0.4321 γ lost")
-            && names.contains("the loop integral, 0.3000 gamma, is not the sum"),
-        "{names}"
-    );
+    bench.says("0.4321 γ lost");
+    bench.says("the loop integral, 0.3000 gamma, is not the sum");
     let open = Open {
         reason: "it ends as bulge and began as flat".to_owned(),
         remedy: "raise drive.start".to_owned(),
@@ -687,13 +657,9 @@ fn a_loss_whose_check_fails_is_shown_with_the_doubt_and_an_open_loop_has_none() 
         open: Some(open),
         ..ledger(0.4321, 0.3)
     })));
-    let names = bench.names();
-    assert!(
-        names.contains("Loop not closed")
-            && names.contains("it ends as bulge and began as flat; raise drive.start"),
-        "{names}"
-    );
-    assert!(!names.contains("0.4321"), "{names}");
+    bench.says("Loop not closed");
+    bench.says("it ends as bulge and began as flat; raise drive.start");
+    bench.lacks("0.4321");
 }
 
 #[test]
@@ -715,39 +681,38 @@ fn without_a_file_chooser_the_path_can_be_typed() {
     let mut bench = Bench::new();
     bench.click("Save…");
     bench.click("Browse…");
-    assert!(bench.names().contains("Type the path here."));
+    bench.says("Type the path here.");
     bench
-        .window
         .get_by_role_and_label(egui::Role::TextInput, "Path")
         .focus();
-    bench.window.run();
+    bench.run();
     let folder = tempfile::tempdir().expect("a temporary folder");
     let path = folder.path().join("mine.toml");
     let text = path.display().to_string();
-    bench.window.key_press_modifiers(Modifiers::COMMAND, Key::A);
-    bench.window.run();
-    bench.window.event(egui::Event::Text(text));
-    bench.window.run();
+    bench.key_press_modifiers(Modifiers::COMMAND, Key::A);
+    bench.run();
+    bench.event(egui::Event::Text(text));
+    bench.run();
     bench.click("Write");
     assert!(path.exists());
-    assert!(bench.names().contains("mine.toml written"));
+    bench.says("mine.toml written");
     bench.open("/nowhere/at/all.toml".as_ref());
     assert!(
         bench.state().messages.failure.is_some(),
         "{}",
         bench.names()
     );
-    bench.press(Modifiers::NONE, Key::Escape);
+    bench.tap(Key::Escape);
     assert_eq!(*bench.state().scene, fig2());
 }
 
 #[test]
 fn the_sheet_of_keys_opens_and_closes() {
     let mut bench = Bench::new();
-    bench.press(Modifiers::NONE, Key::F1);
-    assert!(bench.names().contains("Keys and marks"));
-    bench.press(Modifiers::NONE, Key::Escape);
-    assert!(!bench.names().contains("Keys and marks"));
+    bench.tap(Key::F1);
+    bench.says("Keys and marks");
+    bench.tap(Key::Escape);
+    bench.lacks("Keys and marks");
 }
 
 #[test]
@@ -760,16 +725,13 @@ fn a_small_window_keeps_every_panel_inside() {
         "Fit",
         "Map options",
     ] {
-        let rect = bench.window.get_by_label(label).rect();
+        let rect = bench.place_of(label);
         assert!(
             rect.min.x >= 0.0 && rect.max.x <= 900.0 && rect.max.y <= 600.0,
             "{label} at {rect:?}"
         );
     }
-    let map = bench
-        .window
-        .get_by_label("Gap map: waiting for the solver …")
-        .rect();
+    let map = bench.place_of("Gap map: waiting for the solver …");
     assert!(
         map.width() > 150.0
             && egui::Rect::from_min_max(pos2(0.0, 0.0), pos2(900.0, 600.0)).contains_rect(map),

@@ -1,6 +1,7 @@
 //! The Paper tab: pages, findings, errata, the scene of a figure, theory over the live plot.
 
 use super::bench::Bench;
+use super::hand::Hand;
 use egui::Key;
 use egui_kittest::kittest::Queryable;
 use std::sync::Arc;
@@ -127,19 +128,19 @@ fn the_tab_asks_for_its_figure_once_says_how_far_it_is_and_can_be_cancelled() {
     let report = asked(&bench, page);
     report.progress(0.4, "the loop of the day");
     bench.settle();
-    assert!(bench.names().contains("the loop of the day"));
-    assert!(bench.names().contains(GALLERY[0].title));
+    bench.says("the loop of the day");
+    bench.says(GALLERY[0].title);
     bench.click("Events tab");
     assert!(report.cancel.requested(), "nobody looks at it any more");
     bench.click("Paper tab");
     let report = asked(&bench, page);
     bench.click("Cancel");
     assert!(report.cancel.requested() && bench.pages().is_empty());
-    assert!(bench.names().contains("Not there: cancelled."));
+    bench.says("Not there: cancelled.");
     bench.click("Compute");
     asked(&bench, page).end(Err("no convergence".to_owned()));
     bench.settle();
-    assert!(bench.names().contains("Not there: no convergence."));
+    bench.says("Not there: no convergence.");
     assert!(
         bench.pages().is_empty(),
         "what failed is not tried again by itself"
@@ -164,7 +165,6 @@ fn another_figure_takes_the_place_of_the_one_under_way_and_what_came_is_kept() {
     assert!(dropped.cancel.requested());
     let report = asked(&bench, Page::Figure(two));
     done(&mut bench, &report, figure(two));
-    let names = bench.names();
     for words in [
         format!("Fig. {two} diagram a: u_c/rho against L/L_c, 3 curves"),
         format!("Fig. {two} diagram b: u_c/rho against L/L_c, 3 curves"),
@@ -174,10 +174,10 @@ fn another_figure_takes_the_place_of_the_one_under_way_and_what_came_is_kept() {
         "1.5, expected 1 (Eq. 8): does not agree".to_owned(),
         "2, expected 1 (Eq. 8): stated".to_owned(),
     ] {
-        assert!(names.contains(&words), "{words} in {names}");
+        bench.says(&words);
     }
     bench.click(&format!("Figure {one}"));
-    assert!(bench.names().contains(&format!("Fig. {one} diagram a")));
+    bench.says(&format!("Fig. {one} diagram a"));
     assert!(bench.pages().is_empty(), "both are known");
 }
 
@@ -186,11 +186,10 @@ fn a_figure_is_chosen_by_the_keyboard_and_its_scene_opened() {
     let mut bench = opened();
     let entry = &GALLERY[1];
     bench
-        .window
         .get_by_label(&format!("Figure {}", entry.number))
         .focus();
     bench.settle();
-    bench.press(egui::Modifiers::NONE, Key::Enter);
+    bench.tap(Key::Enter);
     let last = bench.pages().pop().expect("asked for");
     assert_eq!(last.0, Page::Figure(entry.number));
     bench.heard();
@@ -269,14 +268,13 @@ fn the_errata_are_listed_with_their_evidence() {
         &report,
         PageContent::Errata(Arc::new(vec![erratum])),
     );
-    let names = bench.names();
     for words in [
         "Eq. 24",
         "printed: 0.4204",
         "right: 0.40064",
         "root of the slope: 0.400643; print 0.4204, right 0.400643",
     ] {
-        assert!(names.contains(words), "{words} in {names}");
+        bench.says(words);
     }
 }
 
@@ -287,15 +285,15 @@ fn a_page_has_a_window_of_its_own_and_every_panel_stays_inside() {
     let report = asked(&bench, Page::Figure(first()));
     done(&mut bench, &report, figure(first()));
     for label in ["Play loop", "Menu", "Fit", "Open this scene", "Enlarge"] {
-        let rect = bench.window.get_by_label(label).rect();
+        let rect = bench.place_of(label);
         assert!(
             rect.min.x >= 0.0 && rect.max.x <= 900.0 && rect.max.y <= 600.0,
             "{label} at {rect:?}"
         );
     }
     // A new window finds its size in a few more frames than `run` allows.
-    bench.window.get_by_label("Enlarge").click();
-    bench.window.run_steps(10);
+    bench.get_by_label("Enlarge").click();
+    bench.run_steps(10);
     let diagrams = bench
         .names()
         .matches(&format!("Fig. {} diagram a:", first()))
@@ -318,9 +316,5 @@ fn the_first_figure_of_the_gallery_is_drawn_as_it_is_computed() {
     bench.click("Figure 10");
     let report = asked(&bench, Page::Figure(10));
     done(&mut bench, &report, PageContent::Figure(Arc::new(figure)));
-    assert!(
-        bench.names().contains("Fig. 10 diagram a:"),
-        "{}",
-        bench.names()
-    );
+    bench.says("Fig. 10 diagram a:");
 }

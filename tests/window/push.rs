@@ -1,38 +1,26 @@
 //! The surface pressed by hand: Alt and a drag on the map.
 
 use super::bench::Bench;
-use super::foreseen::at_rest;
-use super::landscape;
+use super::hand::{Hand, Window};
+use super::stored::at_rest;
 use super::stored::{apart, run, shown};
+use super::tabs::surveyed;
 use egui::{Event, Key, Modifiers, Pos2, Vec2, vec2};
-use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable;
 use tackscope::follow::record::{Cause, Direction};
 use tackscope::physics::pattern::Pattern;
-use tackscope::ui::App;
 use tackscope::worker::protocol::{self, Command, Play};
-
-type Window = Harness<'static, App>;
-
-fn steps(window: &mut Window, count: usize) {
-    (0..count).for_each(|_| window.step());
-}
 
 /// The window with the surface driven to this u0 from the start.
 fn driven(u0: f64) -> Window {
     let mut window = at_rest();
-    window.key_press_modifiers(Modifiers::COMMAND, Key::K);
-    steps(&mut window, 3);
-    window.event(Event::Text(u0.to_string()));
-    steps(&mut window, 2);
-    window.key_press(Key::Enter);
-    steps(&mut window, 60);
+    window.act(&u0.to_string());
     assert!(!run(&window).is_busy() && (run(&window).actual - u0).abs() < 1e-9);
     window
 }
 
 fn map(window: &Window) -> Pos2 {
-    window.get_by_label_contains("Gap map:").rect().center()
+    window.place("Gap map:").center()
 }
 
 /// Presses with Alt at a place, and goes so far; the button stays down.
@@ -44,7 +32,7 @@ fn alt_drag(window: &mut Window, from: Pos2, by: Vec2) {
     window.step();
     for share in [0.5, 1.0] {
         window.hover_at(from + share * by);
-        steps(window, 2);
+        window.run_steps(2);
     }
 }
 
@@ -52,18 +40,18 @@ fn let_go(window: &mut Window, at: Pos2) {
     window.drop_at(at);
     window.step();
     window.event(Event::ModifiersChanged(Modifiers::NONE));
-    steps(window, 200);
+    window.run_steps(200);
 }
 
 fn words(window: &Window) -> String {
-    window.state().state().push_in_words().expect("a push")
+    window.view().push_in_words().expect("a push")
 }
 
 #[test]
 fn a_small_push_is_pictured_has_an_energy_and_goes_back() {
     let mut window = driven(2.0);
     let (before, gap) = (run(&window).state.clone().expect("a state"), shown(&window));
-    let (from, target) = (map(&window), window.state().state().target);
+    let (from, target) = (map(&window), window.view().target);
     alt_drag(&mut window, from, vec2(0.0, 30.0));
     assert!(matches!(run(&window).play, Play::Pressed(_)));
     assert!(apart(&gap, &shown(&window)) > 1e-3, "it is seen");
@@ -74,10 +62,10 @@ fn a_small_push_is_pictured_has_an_energy_and_goes_back() {
     // The middle of the map is where it is pressed, whichever way the cell is rolled.
     let energy = run(&window).push.as_ref().expect("a push").energy;
     assert!(energy > 0.0);
-    let gamma = window.state().state().model.law.surface_energy;
+    let gamma = window.view().model.law.surface_energy;
     let said = format!("The push has {:.2e} γL²", energy / gamma);
     assert!(words(&window).starts_with(&said), "{}", words(&window));
-    assert!(window.query_all_by_label_contains(&said).next().is_some());
+    window.says(&said);
     let_go(&mut window, from + vec2(0.0, 30.0));
     let after = run(&window).state.clone().expect("a state");
     assert!(
@@ -90,12 +78,9 @@ fn a_small_push_is_pictured_has_an_energy_and_goes_back() {
     );
     assert_eq!(after.pattern, before.pattern);
     assert!((after.energy - before.energy).abs() < 1e-6 * gamma);
-    assert!(
-        words(&window).ends_with("It went back."),
-        "{}",
-        words(&window)
-    );
-    assert_eq!(window.state().state().target, target, "u0 was not driven");
+    let said = words(&window);
+    assert!(said.ends_with("It went back."), "{said}");
+    assert_eq!(window.view().target, target, "u0 was not driven");
 }
 
 #[test]
@@ -110,21 +95,12 @@ fn a_large_push_snaps_early_and_an_undo_brings_the_state_before_it_back() {
     let jump = run_.record.jumps.last().expect("it snapped");
     assert_eq!((jump.cause, jump.from), (Cause::Push, Pattern::Flat));
     assert_ne!(run_.state.as_ref().expect("a state").pattern, Pattern::Flat);
-    assert!(
-        words(&window).contains("It snapped: flat →"),
-        "{}",
-        words(&window)
-    );
-    window.get_by_label("Why tab").click();
-    window.run();
-    assert!(
-        window
-            .query_all_by_label_contains("pressed by hand")
-            .next()
-            .is_some()
-    );
+    let said = words(&window);
+    assert!(said.contains("It snapped: flat →"), "{said}");
+    window.hit("Why tab");
+    window.says("pressed by hand");
     window.key_press_modifiers(Modifiers::COMMAND, Key::Z);
-    steps(&mut window, 20);
+    window.run_steps(20);
     let now = run(&window).state.clone().expect("a state");
     assert_eq!(
         (now.pattern, now.control, now.energy),
@@ -141,7 +117,7 @@ fn escape_lets_what_is_pressed_be_as_it_was() {
     let from = map(&window);
     alt_drag(&mut window, from, vec2(0.0, 60.0));
     window.key_press(Key::Escape);
-    steps(&mut window, 5);
+    window.run_steps(5);
     assert!(!run(&window).is_busy());
     assert!(apart(&gap, &shown(&window)) < 1e-6, "no longer pressed");
     let states = run(&window).record.states.len();
@@ -156,27 +132,20 @@ fn escape_lets_what_is_pressed_be_as_it_was() {
 #[test]
 fn nothing_is_pressed_beside_the_map_during_a_sweep_or_without_alt() {
     let mut window = driven(2.0);
-    let beside = window
-        .get_by_label_contains("Stress against u0:")
-        .rect()
-        .center();
+    let beside = window.place("Stress against u0:").center();
     alt_drag(&mut window, beside, vec2(0.0, 40.0));
-    assert!(run(&window).push.is_none() && !window.state().state().is_pressed());
+    assert!(run(&window).push.is_none() && !window.view().is_pressed());
     let_go(&mut window, beside);
     window.key_press(Key::Escape);
-    steps(&mut window, 3);
+    window.run_steps(3);
     let from = map(&window);
     window.get_by_label("Play loop").click();
     window.step();
     alt_drag(&mut window, from, vec2(0.0, 20.0));
-    assert!(!window.state().state().is_pressed());
+    assert!(!window.view().is_pressed());
     window.drop_at(from);
     window.event(Event::ModifiersChanged(Modifiers::NONE));
-    let mut frames = 0;
-    while run(&window).is_busy() && frames < 3000 {
-        window.step();
-        frames += 1;
-    }
+    window.rest();
     assert!(
         run(&window)
             .record
@@ -191,10 +160,10 @@ fn nothing_is_pressed_beside_the_map_during_a_sweep_or_without_alt() {
 fn in_lecture_mode_the_surface_is_pressed_as_well() {
     let mut window = driven(2.0);
     window.key_press(Key::F11);
-    steps(&mut window, 4);
+    window.run_steps(4);
     let from = map(&window);
     alt_drag(&mut window, from, vec2(0.0, 20.0));
-    assert!(window.state().state().is_pressed());
+    assert!(window.view().is_pressed());
     let_go(&mut window, from + vec2(0.0, 20.0));
     assert!(!run(&window).is_busy());
     assert!(words(&window).contains("It "), "{}", words(&window));
@@ -203,25 +172,16 @@ fn in_lecture_mode_the_surface_is_pressed_as_well() {
 #[test]
 fn the_palette_presses_the_middle_without_a_mouse() {
     let mut window = driven(2.0);
-    window.key_press_modifiers(Modifiers::COMMAND, Key::K);
-    steps(&mut window, 3);
-    window.event(Event::Text("press a dimple".to_owned()));
-    steps(&mut window, 2);
-    window.key_press(Key::Enter);
-    steps(&mut window, 200);
+    window.act("press a dimple");
     assert!(!run(&window).is_busy() && run(&window).push.is_some());
 }
 
 #[test]
 fn the_barrier_is_said_beside_the_push_where_the_landscape_knows_it() {
-    let (mut bench, found): (Bench, _) = landscape::opened();
+    let (mut bench, found): (Bench, _) = surveyed();
     bench.heard();
-    let from = bench
-        .window
-        .get_by_label_contains("Gap map:")
-        .rect()
-        .center();
-    alt_drag(&mut bench.window, from, vec2(0.0, 20.0));
+    let from = bench.place("Gap map:").center();
+    alt_drag(&mut bench, from, vec2(0.0, 20.0));
     let heard = bench.heard();
     let pressed = |command: &Command| matches!(command, Command::Press { .. });
     assert!(heard.iter().any(pressed), "{heard:?}");
@@ -239,11 +199,11 @@ fn the_barrier_is_said_beside_the_push_where_the_landscape_knows_it() {
 fn nothing_is_moved_out_of_its_place_when_alt_is_held_in_a_small_window() {
     let mut bench = Bench::sized(900.0, 600.0);
     bench.reach(3.5, Direction::Approach);
-    let place = |bench: &Bench| bench.window.get_by_label_contains("Gap map:").rect();
+    let place = |bench: &Bench| bench.place("Gap map:");
     let before = place(&bench);
-    bench.window.hover_at(before.center());
-    bench.window.event(Event::ModifiersChanged(Modifiers::ALT));
-    steps(&mut bench.window, 4);
-    assert!(bench.window.query_by_label("Width of the push").is_some());
+    bench.hover_at(before.center());
+    bench.event(Event::ModifiersChanged(Modifiers::ALT));
+    bench.run_steps(4);
+    assert!(bench.query_by_label("Width of the push").is_some());
     assert_eq!(place(&bench), before);
 }

@@ -4,9 +4,9 @@
 //! The suite makes some hundred gestures; TACKSCOPE_GESTURES asks for more.
 
 use super::bench::fig2;
+use super::hand::{Hand, Window};
 use super::stepped::opened;
 use egui::{Event, Key, Modifiers, pos2};
-use egui_kittest::Harness;
 use egui_kittest::kittest::{NodeT, Queryable};
 use proptest::prelude::*;
 use proptest::test_runner::{Config, TestRunner};
@@ -14,7 +14,6 @@ use std::cell::Cell;
 use tackscope::scene::units::fixed;
 use tackscope::solver::Stop;
 use tackscope::storage::presets;
-use tackscope::ui::App;
 
 /// Gestures of the suite, and in one window.
 const USUAL: u32 = 240;
@@ -107,8 +106,8 @@ fn gesture() -> impl Strategy<Value = Gesture> {
     ]
 }
 
-fn make(window: &mut Harness<'static, App>, gesture: &Gesture) {
-    let key = |window: &mut Harness<'static, App>, modifiers, key| {
+fn make(window: &mut Window, gesture: &Gesture) {
+    let key = |window: &mut Window, modifiers, key| {
         window.key_press_modifiers(modifiers, key);
         window.step();
     };
@@ -150,7 +149,7 @@ fn make(window: &mut Harness<'static, App>, gesture: &Gesture) {
 }
 
 /// The first words in which a zero has a sign.
-pub fn signed_zero(window: &Harness<'static, App>) -> Option<String> {
+pub fn signed_zero(window: &Window) -> Option<String> {
     let signed = |word: &str| {
         let unsigned = word.strip_prefix(['-', '−']);
         unsigned.is_some_and(|digits| digits.parse() == Ok(0.0))
@@ -161,8 +160,8 @@ pub fn signed_zero(window: &Harness<'static, App>) -> Option<String> {
 }
 
 /// What holds at every moment.
-fn check(window: &Harness<'static, App>) -> Result<(), TestCaseError> {
-    let state = window.state().state();
+fn check(window: &Window) -> Result<(), TestCaseError> {
+    let state = window.view();
     if let Some(now) = state
         .run
         .state
@@ -232,7 +231,7 @@ fn random_gestures_break_nothing_and_are_all_taken_back() {
             window.key_press_modifiers(Modifiers::COMMAND, Key::Z);
             window.step();
         }
-        let state = window.state().state();
+        let state = window.view();
         prop_assert_eq!(&*state.scene, &fig2());
         prop_assert_eq!(state.method, Default::default());
         prop_assert_eq!(state.asked, None);

@@ -1,49 +1,29 @@
 //! Sessions: saved, opened again as they were, and gone on with.
 
-use super::bench::fig2;
+use super::bench::coarse;
+use super::hand::{Hand, Window};
 use super::stepped::opened;
 use super::stored::{apart, looped, run, shown};
-use egui::{Event, Key, Modifiers};
-use egui_kittest::Harness;
+use egui::{Key, Modifiers};
 use egui_kittest::kittest::Queryable;
 use std::path::Path;
-use std::time::{Duration, Instant};
 use tackscope::scene::Points;
 use tackscope::storage::session::{self, Session};
 use tackscope::storage::{self, Opened, files};
-use tackscope::ui::App;
 use tackscope::ui::view_state::{Extent, Saved, ViewState};
 
-/// Draws until no file is being read or written any more.
-fn wait(window: &mut Harness<'static, App>) {
-    let begun = Instant::now();
-    let busy = |window: &Harness<'static, App>| {
-        let notice = window.state().state().messages.notice.clone();
-        notice.is_some_and(|notice| notice.ends_with('…'))
-    };
-    while busy(window) {
-        assert!(begun.elapsed() < Duration::from_secs(60), "it ends");
-        std::thread::sleep(Duration::from_millis(2));
-        window.step();
-    }
-    window.run();
-}
-
 /// Types a path into the open dialog and presses its button.
-fn use_path(window: &mut Harness<'static, App>, path: &Path, button: &str) {
+fn use_path(window: &mut Window, path: &Path, button: &str) {
     let role = egui::Role::TextInput;
     window.get_by_role_and_label(role, "Path").focus();
     window.run();
-    window.key_press_modifiers(Modifiers::COMMAND, Key::A);
-    window.run();
-    window.event(Event::Text(path.display().to_string()));
-    window.run();
+    window.write_over(&path.display().to_string());
     window.get_by_label(button).click();
     window.run_steps(2);
-    wait(window);
+    window.wait_for_file();
 }
 
-fn open(window: &mut Harness<'static, App>, path: &Path) {
+fn open(window: &mut Window, path: &Path) {
     window.key_press_modifiers(Modifiers::COMMAND, Key::O);
     window.run();
     use_path(window, path, "Open");
@@ -51,15 +31,14 @@ fn open(window: &mut Harness<'static, App>, path: &Path) {
 }
 
 /// A window on another scene.
-fn elsewhere() -> Harness<'static, App> {
-    let mut scene = fig2();
-    scene.cell.points = Points::Square(32);
+fn elsewhere() -> Window {
+    let mut scene = coarse(32);
     scene.law.range = tackscope::scene::Range::Length(1.2);
     opened(scene)
 }
 
 /// Saves the session of a window by its dialog.
-fn save(window: &mut Harness<'static, App>, path: &Path) {
+fn save(window: &mut Window, path: &Path) {
     window.key_press_modifiers(Modifiers::COMMAND, Key::S);
     window.run();
     window.get_by_label_contains("session").click();
@@ -67,8 +46,7 @@ fn save(window: &mut Harness<'static, App>, path: &Path) {
     let role = egui::Role::MultilineTextInput;
     window.get_by_role_and_label(role, "Notes").focus();
     window.run();
-    window.event(Event::Text("why the ridge turns".to_owned()));
-    window.run();
+    window.write("why the ridge turns");
     use_path(window, path, "Write");
 }
 
@@ -77,13 +55,12 @@ fn a_session_opens_again_with_its_path_its_states_its_films_and_its_loss() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let path = folder.path().join("mine.tackscope");
     let (mut window, _) = looped();
-    window.key_press(Key::L);
-    window.run();
+    window.tap(Key::L);
     save(&mut window, &path);
-    assert!(path.exists(), "{:?}", window.state().state().messages);
+    assert!(path.exists(), "{:?}", window.view().messages);
     let mut again = elsewhere();
     open(&mut again, &path);
-    let (before, after) = (window.state().state(), again.state().state());
+    let (before, after) = (window.view(), again.view());
     assert_eq!(
         (&after.scene, &*after.notes),
         (&before.scene, "why the ridge turns")
@@ -93,7 +70,7 @@ fn a_session_opens_again_with_its_path_its_states_its_films_and_its_loss() {
         (after.run.actual, after.target),
         (before.run.actual, before.target)
     );
-    let ledger = |window: &Harness<'static, App>| {
+    let ledger = |window: &Window| {
         let closed = run(window).closed_loop.as_ref();
         closed.expect("a closed loop").summary.ledger.clone()
     };
@@ -130,10 +107,9 @@ fn a_session_saved_on_the_way_goes_on_as_it_would_have() {
     let (mut window, _) = looped();
     // After the second jump, by a fork.
     for key in [Key::J, Key::J, Key::G] {
-        window.key_press(key);
-        window.run();
+        window.tap(key);
     }
-    let session = window.state().state().session(Extent::Whole);
+    let session = window.view().session(Extent::Whole);
     session::save(&path, &session, session.window.record()).expect("saved");
     let mut again = elsewhere();
     open(&mut again, &path);
@@ -141,9 +117,7 @@ fn a_session_saved_on_the_way_goes_on_as_it_would_have() {
     for window in [&mut window, &mut again] {
         window.get_by_label("Play approach").click();
         window.step();
-        while run(window).is_busy() {
-            window.step();
-        }
+        window.rest();
     }
     let [a, b] = [&window, &again].map(|window| run(window).record.clone());
     assert_eq!(a.jumps.len(), b.jumps.len());
@@ -163,11 +137,9 @@ fn a_picture_opens_again_with_the_path_and_the_present_state() {
     let path = folder.path().join("loop.png");
     let (mut window, _) = looped();
     for key in [Key::J, Key::J, Key::G] {
-        window.key_press(key);
-        window.run();
+        window.tap(key);
     }
-    window.key_press(Key::S);
-    window.run();
+    window.tap(Key::S);
     use_path(&mut window, &path, "Write");
     assert!(std::fs::metadata(&path).expect("written").len() < 2_000_000);
     let mut again = elsewhere();
@@ -177,7 +149,7 @@ fn a_picture_opens_again_with_the_path_and_the_present_state() {
     // The command line reads its scene.
     assert_eq!(
         storage::open_scene(&path).ok().as_ref(),
-        Some(&*window.state().state().scene)
+        Some(&*window.view().scene)
     );
 }
 
@@ -186,21 +158,15 @@ fn a_session_that_contradicts_its_scene_is_refused_and_changes_nothing() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let path = folder.path().join("mine.tackscope");
     let (window, _) = looped();
-    let mut session = window.state().state().session(Extent::Whole);
+    let mut session = window.view().session(Extent::Whole);
     session.scene.cell.points = Points::Square(40);
     session::save(&path, &session, session.window.record()).expect("saved");
     let mut again = elsewhere();
-    let before = again.state().state().scene.clone();
+    let before = again.view().scene.clone();
     open(&mut again, &path);
-    let failure = again
-        .state()
-        .state()
-        .messages
-        .failure
-        .clone()
-        .expect("refused");
+    let failure = again.view().messages.failure.clone().expect("refused");
     assert!(failure.message.contains("another mesh"), "{failure:?}");
-    assert_eq!(again.state().state().scene, before);
+    assert_eq!(again.view().scene, before);
     let bytes = files::read_regular(&path, session::BYTES_MAX).expect("read");
     let read: Session<Saved> = session::of_bytes(&path, &bytes).expect("whole");
     assert_eq!(read.window.record(), session.window.record());

@@ -1,7 +1,8 @@
 //! The window with a solver that has no thread: its session is stepped in the frame.
 
-use super::bench::fig2;
-use egui::{Key, Modifiers, vec2};
+use super::bench::coarse;
+use super::hand::{Hand, Window};
+use egui::vec2;
 use egui_kittest::kittest::Queryable;
 use egui_kittest::{Harness, LazyRenderer, TestRenderer};
 use std::any::Any;
@@ -10,7 +11,7 @@ use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 use tackscope::numerics::cancel::Cancel;
-use tackscope::scene::{Points, Scene};
+use tackscope::scene::Scene;
 use tackscope::study::live_loop::{Fineness, LiveLoops};
 use tackscope::ui::App;
 use tackscope::ui::theme;
@@ -110,7 +111,7 @@ impl SolverHandle for Stepped {
 }
 
 /// The window on a scene, with a session that is stepped in the frame.
-pub fn opened(scene: Scene) -> Harness<'static, App> {
+pub fn opened(scene: Scene) -> Window {
     of(
         Beside::Little,
         ViewState::new(scene).expect("allowed"),
@@ -119,7 +120,7 @@ pub fn opened(scene: Scene) -> Harness<'static, App> {
 }
 
 /// The same beside a live loop.
-pub fn foretold(scene: Scene) -> Harness<'static, App> {
+pub fn foretold(scene: Scene) -> Window {
     of(
         Beside::Loops,
         ViewState::new(scene).expect("allowed"),
@@ -128,15 +129,11 @@ pub fn foretold(scene: Scene) -> Harness<'static, App> {
 }
 
 /// The same in this state, with every job done at once, drawn by `renderer`.
-pub fn computing(state: ViewState, renderer: impl TestRenderer + 'static) -> Harness<'static, App> {
+pub fn computing(state: ViewState, renderer: impl TestRenderer + 'static) -> Window {
     of(Beside::Jobs, state, renderer)
 }
 
-fn of(
-    beside: Beside,
-    state: ViewState,
-    renderer: impl TestRenderer + 'static,
-) -> Harness<'static, App> {
+fn of(beside: Beside, state: ViewState, renderer: impl TestRenderer + 'static) -> Window {
     let solver = Stepped {
         beside,
         ..Stepped::default()
@@ -155,53 +152,19 @@ fn of(
 
 #[test]
 fn the_window_plays_a_loop_with_a_session_stepped_in_the_frame() {
-    let mut scene = fig2();
-    scene.cell.points = Points::Square(32);
-    let mut window = opened(scene);
+    let mut window = opened(coarse(32));
     window.get_by_label("Play loop").click();
     window.step();
-    assert!(window.state().state().run.is_busy());
-    let mut frames = 0;
-    while window.state().state().run.is_busy() && frames < 1000 {
-        window.step();
-        frames += 1;
-    }
-    let run = &window.state().state().run;
+    assert!(window.view().run.is_busy());
+    window.rest();
+    let run = &window.view().run;
     let closed = run.closed_loop.as_ref().expect("the loop is closed");
+    let loss = closed.summary.ledger.dissipated_energy();
+    assert!(loss.is_some_and(|loss| loss > 0.1), "{closed:?}");
     assert!(
-        frames > 3
-            && closed
-                .summary
-                .ledger
-                .dissipated_energy()
-                .is_some_and(|loss| loss > 0.1),
-        "{frames} {closed:?}"
-    );
-    assert!(
-        run.record.jumps.len() >= 6 && window.state().state().frame.is_some(),
+        run.record.jumps.len() >= 6 && window.view().frame.is_some(),
         "{:?}",
         run.record.jumps
     );
-    assert_eq!(run.actual, window.state().state().limits.1);
-}
-
-/// Draws until the surface rests.
-pub fn rest(window: &mut Harness<'static, App>) {
-    window.run_steps(4);
-    let mut frames = 0;
-    while window.state().state().run.is_busy() {
-        window.step();
-        frames += 1;
-        assert!(frames < 2000, "it never comes to rest");
-    }
-}
-
-/// Does what the palette finds.
-pub fn act(window: &mut Harness<'static, App>, words: &str) {
-    window.key_press_modifiers(Modifiers::COMMAND, Key::K);
-    rest(window);
-    window.event(egui::Event::Text(words.to_owned()));
-    window.step();
-    window.key_press_modifiers(Modifiers::NONE, Key::Enter);
-    rest(window);
+    assert_eq!(run.actual, window.view().limits.1);
 }

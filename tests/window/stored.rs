@@ -1,36 +1,33 @@
-//! Stored states: looked at, scrubbed through, gone on from; the strip; undo with the surface; the path as
-//! a film.
+//! States that are looked at and gone on from. Stored ones: scrubbed through; the strip; undo with the
+//! surface; the path as a film. And those that the live loop foresees.
 
-use super::bench::fig2;
-use super::foreseen::at_rest;
-use super::stepped::opened;
-use egui::{Event, Key, Modifiers, Pos2, pos2};
-use egui_kittest::Harness;
-use egui_kittest::kittest::{NodeT, Queryable};
+use super::bench::coarse;
+use super::hand::{Hand, Window};
+use super::stepped::{foretold, opened};
+use egui::{Key, Modifiers, Pos2, pos2};
+use egui_kittest::kittest::Queryable;
 use ndarray::Array2;
 use std::path::Path;
 use std::sync::Arc;
 use std::time::Duration;
 use tackscope::follow::record::{Direction, StateRecord};
-use tackscope::scene::Points;
-use tackscope::ui::App;
+use tackscope::physics::pattern::Pattern;
+use tackscope::solver::Stop;
 use tackscope::ui::view_state::{Origin, RunView, Stretch, stretches};
 
 /// A state, and its gap as it was seen.
 pub type Seen = (StateRecord, Arc<Array2<f64>>);
 
 /// The window after a loop of a coarse Fig. 2, and every picture that was seen of it at rest.
-pub fn looped() -> (Harness<'static, App>, Vec<Seen>) {
-    let mut scene = fig2();
-    scene.cell.points = Points::Square(48);
-    let mut window = opened(scene);
+pub fn looped() -> (Window, Vec<Seen>) {
+    let mut window = opened(coarse(48));
     window.get_by_label("Play loop").click();
     window.step();
     let mut seen = Vec::new();
     let mut frames = 0;
     while run(&window).is_busy() {
         window.step();
-        let frame = window.state().state().frame.clone().expect("a picture");
+        let frame = window.view().frame.clone().expect("a picture");
         if let Some(state) = &frame.state {
             seen.push((state.clone(), frame.gap.clone()));
         }
@@ -41,13 +38,13 @@ pub fn looped() -> (Harness<'static, App>, Vec<Seen>) {
     (window, seen)
 }
 
-pub fn run<'a>(window: &'a Harness<'static, App>) -> &'a RunView {
-    &window.state().state().run
+pub fn run(window: &Window) -> &RunView {
+    &window.view().run
 }
 
 /// What map and profile show.
-pub fn shown(window: &Harness<'static, App>) -> Arc<Array2<f64>> {
-    let frame = window.state().state().pictured();
+pub fn shown(window: &Window) -> Arc<Array2<f64>> {
+    let frame = window.view().pictured();
     frame.expect("a picture").gap.clone()
 }
 
@@ -58,26 +55,16 @@ pub fn apart(a: &Array2<f64>, b: &Array2<f64>) -> f64 {
     off / largest
 }
 
-pub fn press_at(window: &mut Harness<'static, App>, at: Pos2) {
-    window.hover_at(at);
-    window.step();
-    window.drag_at(at);
-    window.step();
-    window.drop_at(at);
-    window.run();
-}
-
 /// The accessible name and the place of the strip.
-pub fn strip(window: &Harness<'static, App>) -> (String, egui::Rect) {
-    let node = window.get_by_label_contains("Patterns walked:");
-    let name = node.accesskit_node().label().expect("a name").clone();
-    (name, node.rect())
+pub fn strip(window: &Window) -> (String, egui::Rect) {
+    let words = "Patterns walked:";
+    (window.name(words), window.place(words))
 }
 
 #[test]
 fn a_press_on_the_strip_shows_that_very_state_and_escape_the_present() {
     let (mut window, seen) = looped();
-    let (low, high) = window.state().state().limits;
+    let (low, high) = window.view().limits;
     let present = shown(&window);
     for (direction, row) in [(Direction::Approach, 0.25), (Direction::Retraction, 0.75)] {
         for share in [0.15, 0.3, 0.5, 0.6, 0.8] {
@@ -86,7 +73,7 @@ fn a_press_on_the_strip_shows_that_very_state_and_escape_the_present() {
                 place.left() + share * place.width(),
                 place.top() + row * place.height(),
             );
-            press_at(&mut window, at);
+            window.click_at(at);
             let selection = run(&window).selection.clone().expect("a state");
             assert_eq!(selection.state.direction, direction);
             let wanted = low + f64::from(share) * (high - low);
@@ -99,16 +86,10 @@ fn a_press_on_the_strip_shows_that_very_state_and_escape_the_present() {
             if let Some((_, gap)) = seen.iter().find(|(state, _)| this(state)) {
                 assert!(apart(gap, &shown(&window)) < 1e-6, "{direction} {share}");
             }
-            assert!(
-                window
-                    .query_all_by_label_contains("Gap map: stored")
-                    .next()
-                    .is_some()
-            );
+            window.says("Gap map: stored");
         }
     }
-    window.key_press(Key::Escape);
-    window.run();
+    window.tap(Key::Escape);
     assert!(run(&window).selection.is_none() && Arc::ptr_eq(&present, &shown(&window)));
 }
 
@@ -176,10 +157,8 @@ fn go_on_from_here_forks_the_path_and_keeps_the_way_to_that_state() {
     let (mut window, _) = looped();
     let before = run(&window).record.clone();
     // After the second jump.
-    window.key_press(Key::J);
-    window.run();
-    window.key_press(Key::J);
-    window.run();
+    window.tap(Key::J);
+    window.tap(Key::J);
     let chosen = run(&window).selection.clone().expect("a state");
     let gap = shown(&window);
     window.key_press(Key::G);
@@ -195,13 +174,11 @@ fn go_on_from_here_forks_the_path_and_keeps_the_way_to_that_state() {
     let way = &before.states[..=index];
     assert_eq!(after.record.states[..], *way, "the way to it stays");
     assert_eq!(after.record.jumps[..], before.jumps[..2]);
-    assert_eq!(window.state().state().plots.ghosts.len(), 1);
+    assert_eq!(window.view().plots.ghosts.len(), 1);
     // It goes on as it went.
     window.get_by_label("Play approach").click();
     window.step();
-    while run(&window).is_busy() {
-        window.step();
-    }
+    window.rest();
     let again = &run(&window).record;
     for (a, b) in again.jumps.iter().zip(&before.jumps).take(4) {
         assert_eq!((a.from, a.to), (b.from, b.to));
@@ -226,12 +203,12 @@ fn the_states_on_a_path_that_a_fork_left_are_shown_and_gone_on_from() {
         window.run();
     }
     let reached = run(&window).record.states.len();
-    let plot = window.get_by_label_contains("Stress against u0:").rect();
+    let plot = window.place("Stress against u0:");
     // Up a line through what was walked after the fork.
     let x = plot.left() + 0.45 * plot.width();
     let state = |s: &StateRecord| (s.direction, s.control, s.energy);
     let chosen = (0..90).find_map(|k| {
-        press_at(&mut window, pos2(x, plot.bottom() - 40.0 - 4.0 * k as f32));
+        window.click_at(pos2(x, plot.bottom() - 40.0 - 4.0 * k as f32));
         run(&window).selection.clone()
     });
     let chosen = chosen.expect("the grey line is met");
@@ -252,16 +229,13 @@ fn the_states_on_a_path_that_a_fork_left_are_shown_and_gone_on_from() {
 #[test]
 fn an_undo_brings_the_surface_back_where_it_was() {
     let (mut window, _) = looped();
-    window.key_press(Key::J);
-    window.run();
-    window.key_press(Key::J);
-    window.run();
+    window.tap(Key::J);
+    window.tap(Key::J);
     window.key_press(Key::G);
     window.step();
     window.run();
     let (gap, state) = (shown(&window), run(&window).state.clone().expect("a state"));
-    window.get_by_label("law cosine").click();
-    window.run();
+    window.hit("law cosine");
     for _ in 0..200 {
         window.step();
     }
@@ -281,31 +255,23 @@ fn an_undo_brings_the_surface_back_where_it_was() {
 }
 
 /// Asks the palette for a film of this kind at this path.
-fn ask(window: &mut Harness<'static, App>, kind: &str, path: &Path) {
-    window.key_press_modifiers(Modifiers::COMMAND, Key::K);
-    (0..3).for_each(|_| window.step());
-    window.event(Event::Text(format!("film {kind}")));
-    (0..2).for_each(|_| window.step());
-    window.key_press(Key::Enter);
-    (0..3).for_each(|_| window.step());
-    window.key_press_modifiers(Modifiers::COMMAND, Key::A);
-    window.step();
-    window.event(Event::Text(path.display().to_string()));
-    window.step();
+fn ask(window: &mut Window, kind: &str, path: &Path) {
+    window.act(&format!("film {kind}"));
+    window.write_over(&path.display().to_string());
     window.get_by_label("Write").click();
     window.step();
 }
 
 /// Waits until it is said what became of it.
-fn said(window: &mut Harness<'static, App>) -> String {
+fn said(window: &mut Window) -> String {
     for _ in 0..2000 {
         window.step();
-        if let Some(notice) = &window.state().state().messages.notice {
+        if let Some(notice) = &window.view().messages.notice {
             return notice.clone();
         }
         std::thread::sleep(Duration::from_millis(10));
     }
-    panic!("{:?}", window.state().state().messages);
+    panic!("{:?}", window.view().messages);
 }
 
 #[test]
@@ -336,9 +302,7 @@ fn a_film_is_given_up_by_its_button_and_leaves_nothing() {
     let mut window = at_rest();
     window.get_by_label("Play loop").click();
     window.step();
-    while run(&window).is_busy() {
-        window.step();
-    }
+    window.rest();
     let path = folder.path().join("film.png");
     ask(&mut window, "animated", &path);
     if let Some(button) = window.query_by_label("Cancel") {
@@ -356,4 +320,166 @@ fn a_film_is_given_up_by_its_button_and_leaves_nothing() {
         std::thread::sleep(Duration::from_millis(10));
     }
     panic!("something is left");
+}
+
+/// The window at rest at the start of a coarse Fig. 2, with its live loop.
+pub fn at_rest() -> Window {
+    let mut window = foretold(coarse(48));
+    window.step();
+    window.run();
+    assert!(window.view().live().is_some());
+    window
+}
+
+/// Where a control lies on a row of the strip.
+fn on_strip(window: &Window, control: f64, direction: Direction) -> Pos2 {
+    let (low, high) = window.view().limits;
+    let (_, place) = strip(window);
+    let share = ((control - low) / (high - low)) as f32;
+    let row = if direction == Direction::Approach {
+        0.25
+    } else {
+        0.75
+    };
+    pos2(
+        place.left() + share * place.width(),
+        place.top() + row * place.height(),
+    )
+}
+
+/// The accessible sentence of the map.
+fn map_sentence(window: &Window) -> String {
+    window.name("Gap map:")
+}
+
+#[test]
+fn a_press_on_what_the_strip_foresees_shows_that_state_and_escape_the_present() {
+    let mut window = at_rest();
+    let present = shown(&window);
+    for (control, direction, pattern) in [
+        (3.0, Direction::Approach, Pattern::Bulge),
+        (2.0, Direction::Approach, Pattern::Ridge),
+        (2.0, Direction::Retraction, Pattern::Dimple),
+        (3.0, Direction::Retraction, Pattern::Ridge),
+    ] {
+        let at = on_strip(&window, control, direction);
+        window.click_at(at);
+        let selection = run(&window).selection.clone().expect("a state");
+        let state = &selection.state;
+        assert_eq!(selection.of, Origin::Foreseen, "nobody was there");
+        assert_eq!((state.pattern, state.direction), (pattern, direction));
+        assert_eq!(state.stop, Stop::Stable);
+        assert!((state.control - control).abs() < 0.02, "{state:?}");
+        let mean = shown(&window).mean().expect("points");
+        assert!((mean - state.mean_displacement).abs() < 1e-6, "{mean}");
+        let words = map_sentence(&window);
+        assert!(words.contains(&format!("foreseen {pattern}")), "{words}");
+    }
+    window.tap(Key::Escape);
+    assert!(run(&window).selection.is_none());
+    assert_eq!(shown(&window), present);
+    assert!(!run(&window).is_busy() && run(&window).record.states.len() == 1);
+}
+
+#[test]
+fn go_on_from_here_puts_the_surface_into_a_foreseen_state_and_it_goes_on_from_there() {
+    let mut window = at_rest();
+    let at = on_strip(&window, 2.0, Direction::Retraction);
+    window.click_at(at);
+    let chosen = run(&window).selection.clone().expect("a state").state;
+    let gap = shown(&window);
+    window.key_press(Key::G);
+    window.step();
+    window.run();
+    let after = run(&window);
+    let now = after.state.clone().expect("a state");
+    assert_eq!(
+        (now.pattern, now.control, now.direction, now.energy),
+        (
+            chosen.pattern,
+            chosen.control,
+            chosen.direction,
+            chosen.energy
+        )
+    );
+    assert!(after.selection.is_none() && !after.is_busy());
+    assert_eq!(after.record.states.len(), 1, "nothing leads there");
+    assert!(apart(&gap, &shown(&window)) < 1e-6);
+    // Pulled off from there, it takes the jumps that the live loop foresees.
+    let live = window.view().live().expect("a loop").clone();
+    let ahead = live
+        .jumps
+        .iter()
+        .filter(|jump| jump.direction == Direction::Retraction && jump.control > now.control);
+    let ahead: Vec<_> = ahead.map(|jump| (jump.from, jump.to)).collect();
+    window.get_by_label("Play retract").click();
+    window.step();
+    window.rest();
+    let jumps = run(&window).record.jumps.iter();
+    assert_eq!(
+        jumps.map(|jump| (jump.from, jump.to)).collect::<Vec<_>>(),
+        ahead
+    );
+    assert!(ahead.len() >= 3, "{ahead:?}");
+}
+
+#[test]
+fn an_undo_brings_back_a_surface_that_was_put_into_a_foreseen_state() {
+    let mut window = at_rest();
+    let at = on_strip(&window, 2.0, Direction::Approach);
+    window.click_at(at);
+    window.key_press(Key::G);
+    window.step();
+    window.run();
+    let before = run(&window).state.clone().expect("a state");
+    window.get_by_label("law cosine").click();
+    window.run_steps(200);
+    window.key_press_modifiers(Modifiers::COMMAND, Key::Z);
+    window.run_steps(20);
+    let now = run(&window).state.clone().expect("a state");
+    assert_eq!((now.pattern, now.energy), (before.pattern, before.energy));
+}
+
+#[test]
+fn a_click_on_the_live_loop_in_the_plot_shows_that_state_and_a_drag_goes_along_it() {
+    let mut window = at_rest();
+    let place = window.place("Stress against u0:");
+    // Up a line through the ridges, away from the jumps, where nothing was walked.
+    let x = place.left() + 0.62 * place.width();
+    let found = (0..60).find_map(|k| {
+        let at = pos2(x, place.bottom() - 40.0 - 6.0 * k as f32);
+        window.click_at(at);
+        run(&window).selection.is_some().then_some(at)
+    });
+    let at = found.expect("the live loop is met");
+    let first = run(&window).selection.clone().expect("a state");
+    assert_eq!(
+        (first.of, first.state.stop),
+        (Origin::Foreseen, Stop::Stable)
+    );
+    window.hover_at(at);
+    window.step();
+    window.drag_at(at);
+    window.step();
+    let mut seen = Vec::new();
+    for k in 1..12 {
+        window.hover_at(at + egui::vec2(8.0 * k as f32, 0.0));
+        window.step();
+        window.step();
+        window.step();
+        seen.extend(run(&window).selection.as_ref().map(|s| s.state.control));
+    }
+    window.drop_at(at + egui::vec2(96.0, 0.0));
+    window.run();
+    seen.dedup();
+    assert!(
+        seen.len() >= 8 && seen[seen.len() - 1] > first.state.control,
+        "{seen:?}"
+    );
+    assert!(
+        run(&window)
+            .selection
+            .as_ref()
+            .is_some_and(|s| s.of == Origin::Foreseen)
+    );
 }

@@ -1,44 +1,32 @@
 //! The first minute: the body as its own handle, what one is told to do, and why it snapped.
 
-use super::bench::{Bench, fig2};
+use super::bench::{Bench, coarse};
+use super::hand::{Hand, Window};
 use super::stepped::opened;
 use super::stored::looped;
-use egui::{Key, Modifiers, ViewportId, vec2};
-use egui_kittest::Harness;
+use egui::{Key, ViewportId, vec2};
 use egui_kittest::kittest::Queryable;
 use ndarray::Array2;
 use std::sync::Arc;
 use std::time::Duration;
 use tackscope::follow::record::{Cause, Direction};
 use tackscope::physics::theory::flat;
-use tackscope::scene::{Points, Turn};
-use tackscope::ui::App;
+use tackscope::scene::Turn;
 use tackscope::ui::action::ProfileLine;
 use tackscope::ui::view_state::Hint;
 use tackscope::worker::protocol::{Event, Film, Frame};
 
 /// The window after the first jump of a coarse Fig. 2, at rest.
-fn snapped() -> Harness<'static, App> {
-    let mut scene = fig2();
-    scene.cell.points = Points::Square(32);
+fn snapped() -> Window {
+    let mut scene = coarse(32);
     scene.drive.turn = Turn::At(3.05);
     let mut window = opened(scene);
     window.get_by_label("Play approach").click();
     window.step();
-    let mut frames = 0;
-    while window.state().state().run.is_busy() {
-        window.step();
-        frames += 1;
-        assert!(frames < 1000, "it never comes to rest");
-    }
-    assert_eq!(window.state().state().run.record.jumps.len(), 1);
+    window.rest();
+    assert_eq!(window.view().run.record.jumps.len(), 1);
     window.run();
     window
-}
-
-fn says(window: &Harness<'static, App>, words: &str) -> bool {
-    window.query_all_by_label_contains(words).next().is_some()
-        || window.query_all_by_value(words).next().is_some()
 }
 
 #[test]
@@ -47,15 +35,12 @@ fn before_any_jump_the_tab_says_what_can_happen_in_this_scene() {
     bench.reach(4.0, Direction::Approach);
     let (_, upper) = flat::limits(&bench.model.law, bench.model.grid.length).unwrap();
     let words = format!("It snaps at u₀ = {upper:.4} ρ on the way down");
-    assert!(bench.names().contains(&words), "{}", bench.names());
-    bench.press(Modifiers::NONE, Key::Num3);
+    bench.says(&words);
+    bench.tap(Key::Num3);
     bench.reach(4.0, Direction::Approach);
     let names = bench.names();
-    assert!(!names.contains(&words), "{names}");
-    assert!(
-        names.contains("Here nothing snaps. Make the cell longer. The cell has"),
-        "{names}"
-    );
+    bench.lacks(&words);
+    bench.says("Here nothing snaps. Make the cell longer. The cell has");
     let hints = names
         .lines()
         .filter(|line| *line == "Here nothing snaps. Make the cell longer.");
@@ -65,7 +50,7 @@ fn before_any_jump_the_tab_says_what_can_happen_in_this_scene() {
 #[test]
 fn the_sentence_why_stands_there_after_a_jump_without_another_gesture() {
     let window = snapped();
-    let jump = window.state().state().run.record.jumps[0].clone();
+    let jump = window.view().run.record.jumps[0].clone();
     for words in [
         "the pull grows faster with depth than the longest wave of the cell can resist",
         "Gap before the jump: flat",
@@ -73,7 +58,7 @@ fn the_sentence_why_stands_there_after_a_jump_without_another_gesture() {
         &format!("Gap after the jump: {}", jump.to),
         &format!("{:.4} gamma released so far", jump.released_energy),
     ] {
-        assert!(says(&window, words), "{words}");
+        window.says(words);
     }
 }
 
@@ -88,13 +73,12 @@ fn of_every_jump_the_whole_sentence_why_is_seen_at_once_and_the_maps_with_it_or_
     ] {
         window.set_size(vec2(size[0], size[1]));
         window.run();
-        let jumps = window.state().state().run.record.jumps.clone();
+        let jumps = window.view().run.record.jumps.clone();
         assert_eq!(jumps.len(), 8);
         for jump in jumps.iter().rev() {
-            window.key_press(Key::K);
-            window.run();
-            let seen = |window: &Harness<'static, App>, words: &str| {
-                let rect = window.get_by_label_contains(words).rect();
+            window.tap(Key::K);
+            let seen = |window: &Window, words: &str| {
+                let rect = window.place(words);
                 let inside = rect.top() > 200.0 && rect.bottom() < bar;
                 assert!(inside, "{words} of {jump:?}: {rect:?} at {size:?}");
             };
@@ -112,32 +96,28 @@ fn of_every_jump_the_whole_sentence_why_is_seen_at_once_and_the_maps_with_it_or_
                 seen(&window, map);
             }
         }
-        window.key_press(Key::Escape);
-        window.run();
+        window.tap(Key::Escape);
     }
 }
 
-fn film(window: &Harness<'static, App>) -> Arc<Film> {
-    let films = &window.state().state().run.films;
+fn film(window: &Window) -> Arc<Film> {
+    let films = &window.view().run.films;
     films.of(0).cloned().expect("a film")
 }
 
 #[test]
 fn a_jump_is_replayed_by_hand_in_map_and_plot_until_the_surface_moves() {
     let mut window = snapped();
-    let state = |window: &Harness<'static, App>| window.state().state().run.replayed.clone();
+    let state = |window: &Window| window.view().run.replayed.clone();
     assert!(state(&window).is_none());
     let film = film(&window);
     assert!(film.moving.len() > 3, "{}", film.moving.len());
-    window.get_by_label("Moment of the jump").click();
-    window.run();
+    window.hit("Moment of the jump");
     let shown = state(&window).expect("a moment");
     assert!(film.moving.iter().any(|frame| Arc::ptr_eq(frame, &shown)));
-    window.get_by_label("Close the replay").click();
-    window.run();
+    window.hit("Close the replay");
     assert!(state(&window).is_none());
-    window.get_by_label("Moment of the jump").click();
-    window.run();
+    window.hit("Moment of the jump");
     assert!(state(&window).is_some());
     window.get_by_label("Play retract").click();
     window.step();
@@ -154,13 +134,7 @@ fn a_replay_played_goes_from_before_to_after_and_then_nothing_is_drawn_again() {
     let mut seen: Vec<Arc<Frame>> = Vec::new();
     for _ in 0..600 {
         window.step();
-        let shown = window
-            .state()
-            .state()
-            .run
-            .replayed
-            .clone()
-            .expect("a moment");
+        let shown = window.view().run.replayed.clone().expect("a moment");
         if seen.last().is_none_or(|last| !Arc::ptr_eq(last, &shown)) {
             seen.push(shown);
         }
@@ -178,14 +152,10 @@ fn the_tab_leads_to_the_stiffness_and_to_the_other_states() {
     bench.reach(3.2, Direction::Approach);
     bench.jump(3.102);
     bench.click("Show the stiffness");
-    assert!(bench.names().contains("Smallest eigenvalue against u0"));
+    bench.says("Smallest eigenvalue against u0");
     bench.click("Why tab");
     bench.click("What could it do instead?");
-    assert!(
-        bench.names().contains("Every state of equilibrium"),
-        "{}",
-        bench.names()
-    );
+    bench.says("Every state of equilibrium");
 }
 
 #[test]
@@ -196,17 +166,10 @@ fn the_jump_that_is_looked_at_is_the_one_that_is_explained() {
         bench.jump(u0);
         bench.reach(u0, Direction::Approach);
     }
-    assert!(
-        bench.names().contains("Below 2.900 ranges"),
-        "{}",
-        bench.names()
-    );
-    bench.press(Modifiers::NONE, Key::J);
-    let names = bench.names();
-    assert!(
-        names.contains("Below 3.102 ranges") && !names.contains("Below 2.900"),
-        "{names}"
-    );
+    bench.says("Below 2.900 ranges");
+    bench.tap(Key::J);
+    bench.says("Below 3.102 ranges");
+    bench.lacks("Below 2.900");
 }
 
 #[test]
@@ -226,18 +189,12 @@ fn the_present_point_goes_down_the_drop_while_it_jumps() {
             "{}",
             bench.plot_sentence()
         );
-        assert!(
-            bench
-                .names()
-                .contains("Jumping, no equilibrium, u₀ = 3.1000 ρ"),
-            "{}",
-            bench.names()
-        );
+        bench.says("Jumping, no equilibrium, u₀ = 3.1000 ρ");
     }
 }
 
 /// How long until the window wants to be drawn again.
-fn repaint(window: &Harness<'static, App>) -> Duration {
+fn repaint(window: &Window) -> Duration {
     window.output().viewport_output[&ViewportId::ROOT].repaint_delay
 }
 
@@ -245,15 +202,15 @@ fn repaint(window: &Harness<'static, App>) -> Duration {
 fn the_grip_pulses_until_first_used_and_then_nothing_is_drawn_while_nothing_changes() {
     let mut bench = Bench::new();
     bench.reach(4.2, Direction::Approach);
-    assert!(repaint(&bench.window) < Duration::from_secs(1));
+    assert!(repaint(&bench) < Duration::from_secs(1));
     let body = profile(&bench);
     bench.drag(&body, &[vec2(0.0, 4.0)]);
     assert_eq!(bench.state().messages.hint, Some(Hint::Lower));
     bench.settle();
     assert!(
-        repaint(&bench.window) > Duration::from_secs(1),
+        repaint(&bench) > Duration::from_secs(1),
         "{:?}",
-        repaint(&bench.window)
+        repaint(&bench)
     );
 }
 
@@ -270,14 +227,11 @@ fn the_profile_says_where_the_surfaces_pull_and_where_they_push() {
     for (u0, force) in [(2.0, "pulls"), (-0.2, "pushes")] {
         bench.reach(u0, Direction::Approach);
         let traction = bench.model.law.at(u0).traction / bench.model.law.traction_max();
-        let at = bench.window.get_by_label_contains("Profile along").rect();
-        bench
-            .window
-            .hover_at(at.left_center() + egui::vec2(30.0, 0.0));
-        bench.window.run_steps(6);
+        let at = bench.place("Profile along");
+        bench.hover_at(at.left_center() + egui::vec2(30.0, 0.0));
+        bench.run_steps(6);
         let words = format!("{force} {:.3} σₘₐₓ", traction.abs());
-        let names = bench.names();
-        assert!(names.contains(&words), "{words} in {names}");
+        bench.says(&words);
     }
 }
 
@@ -286,7 +240,7 @@ fn the_elastomer_is_dragged_and_its_surface_keeps_to_the_hand() {
     let mut bench = Bench::new();
     bench.reach(4.0, Direction::Approach);
     let body = profile(&bench);
-    let height = f64::from(bench.window.get_by_label(&body).rect().height());
+    let height = f64::from(bench.place_of(&body).height());
     bench.heard();
     let start = bench.state().target;
     bench.drag(&body, &[vec2(0.0, 5.0), vec2(0.0, 15.0), vec2(0.0, 10.0)]);
@@ -350,14 +304,14 @@ fn the_hint_covers_no_word_and_moves_nothing() {
     for (width, height) in [(1280.0, 800.0), (900.0, 600.0), (760.0, 480.0)] {
         let mut bench = Bench::sized(width, height);
         bench.reach(4.0, Direction::Approach);
-        let place = |bench: &Bench, label: &str| bench.window.get_by_label(label).rect();
+        let place = |bench: &Bench, label: &str| bench.place_of(label);
         let fixed = ["Play loop", "Profile line", "Why tab", "Fit"];
         let before = fixed.map(|label| place(&bench, label));
         let bubble = place(&bench, "Drag down slowly. Something will snap.");
         let profile = place(&bench, &profile(&bench));
         assert!(profile.contains_rect(bubble), "{bubble:?} in {profile:?}");
         bench.reach(0.2, Direction::Approach);
-        assert!(!bench.names().contains("Something will snap."));
+        bench.lacks("Something will snap.");
         assert_eq!(fixed.map(|label| place(&bench, label)), before);
     }
 }
@@ -368,7 +322,6 @@ fn the_equations_have_the_numbers_of_the_scene() {
     bench.reach(4.0, Direction::Approach);
     bench.click("Equations tab");
     let (lower, upper) = flat::limits(&bench.model.law, bench.model.grid.length).unwrap();
-    let names = bench.names();
     // As it is typeset: indices are runs of their own on the line.
     for words in [
         "V/A = ∑q≠0 (q E*/4) |u\u{303}q|2 + ⟨γ(g)⟩",
@@ -377,6 +330,6 @@ fn the_equations_have_the_numbers_of_the_scene() {
         &format!("at u0 = {upper:.4} ρ on approach, {lower:.4} ρ on retraction"),
         "u0 = 4.0000 ρ",
     ] {
-        assert!(names.contains(words), "{words} in {names}");
+        bench.says(words);
     }
 }

@@ -1,22 +1,21 @@
 //! Kinds of things that were wrong once: what belongs to another scene, keys that are lost, values
 //! that are refused without a word.
 
-use super::bench::{Bench, fig2};
-use super::live::live;
+use super::bench::{Bench, coarse, fig2};
+use super::hand::Hand;
+use super::plot::live;
 use super::stepped::opened;
-use egui::{Event as Input, Key, Modifiers, PointerButton, Role, pos2};
-use egui_kittest::Harness;
+use egui::{Event as Input, Key, Modifiers, PointerButton, pos2};
 use egui_kittest::kittest::Queryable;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::Duration;
 use tackscope::follow::record::Direction;
 use tackscope::physics::pattern::Pattern;
-use tackscope::scene::{Points, Range};
+use tackscope::scene::Range;
 use tackscope::solver::Stop;
 use tackscope::solver::methods::MethodKind;
 use tackscope::storage::scene_file;
-use tackscope::ui::App;
 use tackscope::ui::view_state::ViewState;
 use tackscope::worker::protocol::Event;
 
@@ -25,7 +24,7 @@ fn the_method_stays_with_the_scene_that_chose_it_and_is_taken_back() {
     let mut bench = Bench::new();
     bench.click(MethodKind::Lbfgs.title());
     assert_eq!(bench.state().method, MethodKind::Lbfgs);
-    bench.press(Modifiers::NONE, Key::Num2);
+    bench.tap(Key::Num2);
     assert_eq!(bench.state().method, MethodKind::NewtonKrylov);
     bench.press(Modifiers::COMMAND, Key::Z);
     assert_eq!(bench.state().method, MethodKind::Lbfgs);
@@ -36,9 +35,7 @@ fn the_method_stays_with_the_scene_that_chose_it_and_is_taken_back() {
 
 #[test]
 fn states_that_are_no_equilibria_are_drawn_hollow_and_nothing_is_promised_of_them() {
-    let mut scene = fig2();
-    scene.cell.points = Points::Square(32);
-    let mut window = opened(scene);
+    let mut window = opened(coarse(32));
     window.get_by_label("Advanced").click();
     window.run_steps(3);
     let method = MethodKind::Gfmd;
@@ -46,29 +43,23 @@ fn states_that_are_no_equilibria_are_drawn_hollow_and_nothing_is_promised_of_the
     window.run_steps(3);
     window.get_by_label(method.title()).click();
     window.run_steps(3);
-    assert_eq!(window.state().state().method, method);
+    assert_eq!(window.view().method, method);
     window.get_by_label("Play approach").click();
     window.step();
-    while window.state().state().run.is_busy() {
-        window.step();
-    }
+    window.rest();
     window.run();
-    let says = |window: &Harness<'static, App>, words: &str| {
-        window.query_all_by_label_contains(words).next().is_some()
-    };
-    let states = &window.state().state().run.record.states;
+    let states = &window.view().run.record.states;
     assert!(states.iter().any(|s| s.stop == Stop::NotConverged));
-    assert!(says(&window, "○ approach, not converged"));
-    let bar = if says(&window, "no equilibrium") {
-        "no equilibrium"
-    } else {
-        "no accuracy is promised"
-    };
-    window.get_by_label_contains(bar).click();
+    window.says("○ approach, not converged");
+    let bars = ["no equilibrium", "no accuracy is promised"];
+    let bar = bars
+        .iter()
+        .find_map(|words| window.query_by_label_contains(words));
+    bar.expect("the bar says so").click();
     window.run();
-    assert!(says(&window, "no accuracy is promised"));
+    window.says("no accuracy is promised");
     for promised in ["expected error", "exact to"] {
-        assert!(!says(&window, promised), "{promised}");
+        window.lacks(promised);
     }
 }
 
@@ -79,17 +70,16 @@ fn another_scene_shows_nothing_of_the_last_one_not_for_a_frame() {
     bench.say(Event::Live(live()));
     bench.jump(3.102);
     bench.reach(3.0, Direction::Approach);
-    assert!(bench.names().contains("γ a loop"));
-    bench.window.key_press(Key::Num3);
+    bench.says("γ a loop");
+    bench.key_press(Key::Num3);
     // The frame in which the key is heard ends with the new scene.
-    bench.window.step();
-    bench.window.step();
+    bench.step();
+    bench.step();
     let state = bench.state();
     assert!(state.scene.title.starts_with("Below the critical length"));
     assert!(state.frame.is_none() && state.plots.live.is_none() && state.plots.ghosts.is_empty());
-    let names = bench.names();
     for old in ["3.0000", "γ a loop", "live\n", "0.1234", "flat → ridge"] {
-        assert!(!names.contains(old), "{old} in {names}");
+        bench.lacks(old);
     }
     // A live loop of the last scene that comes late.
     bench.say_of(1, Event::Live(live()));
@@ -118,10 +108,10 @@ fn a_scene_dropped_on_the_window_opens() {
     (scene.title, scene.cell.length) = ("Mine".to_owned(), 300.0);
     scene_file::save(&path, &scene).expect("saved");
     let mut bench = Bench::new();
-    let files = &mut bench.window.input_mut().dropped_files;
+    let files = &mut bench.input_mut().dropped_files;
     files.push(Arc::new(Dropped(path)));
     for _ in 0..500 {
-        bench.window.step();
+        bench.step();
         if bench.state().scene.title == "Mine" {
             break;
         }
@@ -134,7 +124,7 @@ fn a_scene_dropped_on_the_window_opens() {
 fn a_digit_pressed_by_mistake_is_taken_back() {
     let mut bench = Bench::new();
     bench.reach(3.9, Direction::Approach);
-    bench.press(Modifiers::NONE, Key::Num5);
+    bench.tap(Key::Num5);
     assert_ne!(*bench.state().scene, fig2());
     bench.press(Modifiers::COMMAND, Key::Z);
     assert_eq!(*bench.state().scene, fig2());
@@ -144,15 +134,13 @@ fn a_digit_pressed_by_mistake_is_taken_back() {
 fn the_sign_that_opens_the_sheet_does_so_wherever_it_lies_and_is_typed_where_one_types() {
     let mut bench = Bench::new();
     // A layout on which it is neither Shift and slash nor a key of its own.
-    bench.window.event(Input::Text("?".to_owned()));
-    bench.settle();
-    assert!(bench.names().contains("Keys and marks"));
-    bench.press(Modifiers::NONE, Key::Escape);
-    assert!(!bench.names().contains("Keys and marks"));
+    bench.write("?");
+    bench.says("Keys and marks");
+    bench.tap(Key::Escape);
+    bench.lacks("Keys and marks");
     bench.press(Modifiers::COMMAND, Key::K);
-    bench.window.event(Input::Text("?".to_owned()));
-    bench.settle();
-    assert!(!bench.names().contains("Keys and marks"));
+    bench.write("?");
+    bench.lacks("Keys and marks");
 }
 
 #[test]
@@ -174,18 +162,15 @@ fn letters_typed_while_the_palette_opens_are_not_lost_and_do_nothing_else() {
         key(Key::A, Modifiers::NONE),
         Input::Text("a".to_owned()),
     ];
-    bench.window.input_mut().events.extend(together);
-    bench.window.step();
+    bench.input_mut().events.extend(together);
+    bench.step();
     for letters in ["w", ": c", "os"] {
-        bench.window.event(Input::Text(letters.to_owned()));
+        bench.event(Input::Text(letters.to_owned()));
     }
     bench.settle();
-    let names = bench.names();
-    assert!(
-        names.contains("law: cos\n") && names.contains("Cohesive law: cosine"),
-        "{names}"
-    );
-    bench.press(Modifiers::NONE, Key::Enter);
+    bench.says("law: cos\n");
+    bench.says("Cohesive law: cosine");
+    bench.tap(Key::Enter);
     assert_eq!(bench.state().scene.law.shape.word(), "cosine");
     assert!(bench.state().messages.notice.is_none(), "L keeps no loop");
 }
@@ -195,17 +180,18 @@ fn escape_closes_what_is_on_top_and_only_that() {
     let mut bench = Bench::new();
     bench.click("Play loop");
     bench.click("Files");
-    assert!(bench.window.query_by_label("Copy scene").is_some());
-    bench.press(Modifiers::NONE, Key::Escape);
-    assert!(bench.window.query_by_label("Copy scene").is_none());
+    assert!(bench.query_by_label("Copy scene").is_some());
+    bench.tap(Key::Escape);
+    assert!(bench.query_by_label("Copy scene").is_none());
     assert!(bench.state().run.is_busy(), "the sweep goes on");
-    bench.press(Modifiers::NONE, Key::F1);
-    bench.press(Modifiers::NONE, Key::Escape);
-    assert!(!bench.names().contains("Keys and marks") && bench.state().run.is_busy());
-    bench.press(Modifiers::NONE, Key::Escape);
+    bench.tap(Key::F1);
+    bench.tap(Key::Escape);
+    assert!(bench.state().run.is_busy());
+    bench.lacks("Keys and marks");
+    bench.tap(Key::Escape);
     assert!(!bench.state().run.is_busy());
-    bench.press(Modifiers::NONE, Key::F11);
-    bench.press(Modifiers::NONE, Key::Escape);
+    bench.tap(Key::F11);
+    bench.tap(Key::Escape);
     assert!(!bench.state().view.lecture);
 }
 
@@ -234,11 +220,8 @@ fn a_typed_value_that_is_refused_says_why_at_the_field() {
             bench.names()
         );
         assert!(bench.heard().is_empty(), "{field} = {text}");
-        let field = bench
-            .window
-            .get_by_role_and_label(egui::Role::SpinButton, field);
+        let field = bench.field(field);
         let below = bench
-            .window
             .query_all_by_label_contains(words)
             .next()
             .expect("shown");
@@ -259,18 +242,13 @@ fn a_field_that_is_left_as_it_stands_rounds_nothing() {
     let mut scene = fig2();
     scene.law.range = Range::Length(1.0 / 3.0);
     let mut bench = Bench::new();
-    bench
-        .window
-        .event(Input::Paste(scene_file::to_text(&scene)));
+    bench.event(Input::Paste(scene_file::to_text(&scene)));
     bench.settle();
     assert_eq!(*bench.state().scene, scene);
     let field = || egui::Role::SpinButton;
-    bench
-        .window
-        .get_by_role_and_label(field(), "Range ρ")
-        .click();
+    bench.get_by_role_and_label(field(), "Range ρ").click();
     bench.settle();
-    bench.press(Modifiers::NONE, Key::Enter);
+    bench.tap(Key::Enter);
     assert_eq!(*bench.state().scene, scene);
 }
 
@@ -279,13 +257,13 @@ fn up_and_down_move_the_upright_slider() {
     let mut bench = Bench::new();
     let (high, step) = (bench.state().limits.1, bench.state().scene.drive.step);
     for _ in 0..2 {
-        bench.press(Modifiers::NONE, Key::ArrowDown);
+        bench.tap(Key::ArrowDown);
     }
-    bench.press(Modifiers::NONE, Key::ArrowUp);
+    bench.tap(Key::ArrowUp);
     assert!((bench.state().target - (high - step)).abs() < 1e-9);
-    bench.window.get_by_label("mean displacement u0").focus();
+    bench.get_by_label("mean displacement u0").focus();
     bench.settle();
-    bench.press(Modifiers::NONE, Key::ArrowDown);
+    bench.tap(Key::ArrowDown);
     assert!((bench.state().target - (high - 2.0 * step)).abs() < 1e-9);
 }
 
@@ -309,20 +287,17 @@ fn from_law_to_law_and_back_ends_where_it_began() {
 fn a_double_click_on_the_name_of_a_number_brings_back_what_the_scene_was_opened_with() {
     let mut bench = Bench::new();
     let double_click = |bench: &mut Bench, name: &str| {
-        let field = bench
-            .window
-            .get_by_role_and_label(Role::SpinButton, name)
-            .rect();
+        let field = bench.field(name).rect();
         let at = pos2(24.0, field.center().y);
-        bench.window.hover_at(at);
-        bench.window.run();
+        bench.hover_at(at);
+        bench.run();
         for pressed in [true, false, true, false] {
             bench.button(at, PointerButton::Primary, pressed);
         }
         bench.settle();
     };
     // A frame of the harness takes a quarter of a second.
-    let ctx = bench.window.ctx.clone();
+    let ctx = bench.ctx.clone();
     ctx.options_mut(|options| options.input_options.max_double_click_delay = 2.0);
     bench.enter("Range ρ", "1.3");
     bench.enter("Length L", "250");
@@ -366,16 +341,12 @@ fn the_window_opens_before_the_first_jump_and_tells_of_it_only_afterwards() {
     bench.reach(4.2, Direction::Approach);
     bench.reach(3.25, Direction::Approach);
     bench.say(Event::Live(live()));
-    let names = bench.names();
     for told in ["γ a loop", "live\n", "foreseen", "3.1023", "next jump"] {
-        assert!(!names.contains(told), "{told} in {names}");
+        bench.lacks(told);
     }
-    assert!(names.contains("Where will it snap?"));
+    bench.says("Where will it snap?");
     bench.jump(3.102);
     bench.reach(3.1, Direction::Approach);
-    let names = bench.names();
-    assert!(
-        names.contains("γ a loop") && names.contains("foreseen"),
-        "{names}"
-    );
+    bench.says("γ a loop");
+    bench.says("foreseen");
 }

@@ -2,8 +2,6 @@
 //!
 //! Everything is drawn once, onto a sheet that is the SVG; the PNG is that SVG rendered.
 
-mod clip;
-mod legend;
 mod panel;
 mod svg;
 #[cfg(test)]
@@ -16,7 +14,7 @@ use super::{Failure, files};
 use crate::paper::figure::Table;
 use crate::plot::panel::{Page, Panel};
 use image::RgbImage;
-use legend::Legend;
+use panel::Legend;
 use std::path::Path;
 use svg::{Anchor, RULE, Sheet, ink, set, solid, width};
 

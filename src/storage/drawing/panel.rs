@@ -1,14 +1,17 @@
-//! One diagram: frame and ticks, areas, curves, symbols, arrows, words, and the pictures inside it.
+//! One diagram: frame and ticks, areas, curves, symbols, arrows, words, the pictures inside it, and
+//! its legend: beneath it or, where all diagrams of a page speak of the same, beneath the page. So it
+//! covers nothing.
 
-use super::clip::{self, Sides};
-use super::legend::{self, Legend, MARK, SYMBOL, scaled};
 use super::svg::{
-    Anchor, GRID, GROUND, Place, RULE, Sheet, frame, ink, rectangle, set, solid, width,
+    Anchor, GRID, GROUND, Place, RULE, Sheet, Sides, cut_line, cut_polygon, cut_segment, frame,
+    ink, rectangle, set, solid, width,
 };
-use crate::plot::colours::Colours;
-use crate::plot::panel::{Area, Arrow, Axis, Content, Fill, Inset, Label, Panel, Role, Series};
+use crate::plot::panel::{
+    Area, Arrow, Axis, Colour, Content, Fill, Inset, Label, Look, Panel, Role, Series, Symbol,
+    entries,
+};
 use crate::plot::scale::{Scale, scales};
-use crate::plot::style::{MARKS, marked, pointing, stroke};
+use crate::plot::style::{Colours, MARKS, Rgb, Stroke, marked, pointing, stroke};
 use crate::plot::ticks::ticks;
 use crate::storage::picture::{self, common_scale, gap_pixels};
 
@@ -202,7 +205,7 @@ impl Plot<'_> {
             }
         }
         for arrow in &self.panel.arrows {
-            self.arrow(sheet, arrow);
+            self.in_frame(sheet, arrow);
         }
         for inset in &self.panel.insets {
             self.inset(sheet, inset);
@@ -227,7 +230,7 @@ impl Plot<'_> {
         let [right, up] = label.side.map(f64::from);
         let gap = 4.0 * self.size;
         let [x, y] = [x + right * (half + gap), y - up * (high + gap)];
-        let clear = clip::polygon(
+        let clear = cut_polygon(
             &rectangle([x - half, y - high, x + half, y + high]),
             self.sides,
         );
@@ -243,7 +246,7 @@ impl Plot<'_> {
 
     fn line(&self, sheet: &mut Sheet, series: &Series) {
         let stroke = scaled(stroke(series.role, series.colour, GROUND), self.size);
-        for mut piece in clip::line(series.points.iter().map(|p| self.place(*p)), self.sides) {
+        for mut piece in cut_line(series.points.iter().map(|p| self.place(*p)), self.sides) {
             thin(&mut piece);
             sheet.line(&piece, stroke);
             if let Some(direction) = series.direction {
@@ -272,7 +275,7 @@ impl Plot<'_> {
             let mut upper: Vec<Place> = edge(2).collect();
             upper.reverse();
             outline.append(&mut upper);
-            let shape = clip::polygon(&outline, self.sides);
+            let shape = cut_polygon(&outline, self.sides);
             if shape.len() > 2 {
                 sheet.fill(&shape, area.colour.on(GROUND), GROUND.opacity());
                 let closed: Vec<Place> = shape.iter().chain(shape.first()).copied().collect();
@@ -281,17 +284,17 @@ impl Plot<'_> {
         }
     }
 
-    fn arrow(&self, sheet: &mut Sheet, arrow: &Arrow) {
-        let (Some(tail), Some(tip)) = (self.place(arrow.tail), self.place(arrow.head)) else {
+    fn in_frame(&self, sheet: &mut Sheet, shown: &Arrow) {
+        let (Some(tail), Some(tip)) = (self.place(shown.tail), self.place(shown.head)) else {
             return;
         };
-        let Some((a, b)) = clip::segment(tail, tip, self.sides) else {
+        let Some((a, b)) = cut_segment(tail, tip, self.sides) else {
             return;
         };
         if b == tip {
-            legend::arrow(sheet, a, b, arrow.colour, self.size);
+            arrow(sheet, a, b, shown.colour, self.size);
         } else {
-            sheet.line(&[a, b], solid(arrow.colour.on(GROUND), 1.3 * self.size));
+            sheet.line(&[a, b], solid(shown.colour.on(GROUND), 1.3 * self.size));
         }
     }
 
@@ -384,4 +387,166 @@ fn thin(piece: &mut Vec<Place>) {
         i += 1;
         keep
     });
+}
+
+/// The entries in order.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(super) struct Legend {
+    entries: Vec<(String, Look)>,
+    /// 1 in a diagram of full size.
+    size: f64,
+}
+
+/// Radii of symbols, and of the marks along a line.
+const SYMBOL: f64 = 4.2;
+const MARK: f64 = 4.0;
+/// Length of a sample, its distance to the word, the distance to the next sample, the height of a
+/// row.
+const SAMPLE: f64 = 30.0;
+const GAP: f64 = 7.0;
+const NEXT: f64 = 20.0;
+const ROW: f64 = 20.0;
+const TEXT: f64 = 12.5;
+
+impl Legend {
+    /// The legend of one diagram.
+    pub(super) fn of(panel: &Panel, size: f64) -> Self {
+        Self {
+            entries: entries(panel),
+            size,
+        }
+    }
+
+    /// One legend for all diagrams, if it says nothing twice in two ways: no look has two names.
+    pub(super) fn common(panels: &[Panel]) -> Option<Self> {
+        let mut entries: Vec<(String, Look)> = Vec::new();
+        for entry in panels.iter().flat_map(|panel| Self::of(panel, 1.0).entries) {
+            if entries.contains(&entry) {
+                continue;
+            }
+            if entries
+                .iter()
+                .any(|known| known.1 == entry.1 || known.0 == entry.0)
+            {
+                return None;
+            }
+            entries.push(entry);
+        }
+        Some(Self { entries, size: 1.0 })
+    }
+
+    /// Rows of entries that fit into a width: where each stands along its row.
+    fn rows(&self, available: f64) -> Vec<Vec<(f64, usize)>> {
+        let mut rows: Vec<Vec<(f64, usize)>> = Vec::new();
+        let mut x = f64::INFINITY;
+        for (i, (name, _)) in self.entries.iter().enumerate() {
+            let wide = self.size * (SAMPLE + GAP) + width(&set(name), self.size * TEXT);
+            if x + wide > available {
+                rows.push(Vec::new());
+                x = 0.0;
+            }
+            if let Some(row) = rows.last_mut() {
+                row.push((x, i));
+            }
+            x += wide + self.size * NEXT;
+        }
+        rows
+    }
+
+    /// Height at this width; zero if there is nothing to say.
+    pub(super) fn height(&self, available: f64) -> f64 {
+        self.size * ROW * self.rows(available).len() as f64
+    }
+
+    /// Draws it with its upper left corner at `corner`.
+    pub(super) fn draw(&self, sheet: &mut Sheet, corner: Place, available: f64) {
+        for (r, row) in self.rows(available).into_iter().enumerate() {
+            let y = corner[1] + self.size * ROW * (r as f64 + 0.5);
+            for (x, i) in row {
+                let (name, look) = &self.entries[i];
+                let (left, right) = (corner[0] + x, corner[0] + x + self.size * SAMPLE);
+                let middle = [0.5 * (left + right), y];
+                match *look {
+                    Look::Line(role, colour, direction) => {
+                        let stroke = stroke(role, colour, GROUND);
+                        sheet.line(&[[left, y], [right, y]], scaled(stroke, self.size));
+                        if let Some(direction) = direction {
+                            sheet.symbol(
+                                pointing(direction),
+                                middle,
+                                stroke.colour,
+                                MARK * self.size,
+                                Fill::Filled,
+                            );
+                        }
+                    }
+                    Look::Symbol(shape, colour, fill) => {
+                        // Large symbols go around others.
+                        let large = matches!(shape, Symbol::Ring | Symbol::Frame);
+                        let radius = SYMBOL * self.size * if large { 0.6 } else { 1.0 };
+                        sheet.symbol(shape, middle, colour.on(GROUND), radius, fill);
+                    }
+                    Look::Area(colour) => {
+                        let half = 6.0 * self.size;
+                        let sides = [left, y - half, right, y + half];
+                        sheet.fill(&rectangle(sides), colour.on(GROUND), GROUND.opacity());
+                        sheet.line(&frame(sides), solid(colour.on(GROUND), 0.8 * self.size));
+                    }
+                    Look::Arrow(colour) => {
+                        arrow(
+                            sheet,
+                            [middle[0], y + 8.0 * self.size],
+                            [middle[0], y - 8.0 * self.size],
+                            colour,
+                            self.size,
+                        );
+                    }
+                }
+                sheet.words(
+                    [right + self.size * GAP, y],
+                    &set(name),
+                    self.size * TEXT,
+                    ink(),
+                    Anchor::Start,
+                );
+            }
+        }
+    }
+}
+
+/// A stroke in a diagram of this size.
+fn scaled(stroke: Stroke, size: f64) -> Stroke {
+    Stroke {
+        width: size * stroke.width,
+        dash: stroke.dash.map(|dash| dash.map(|length| size * length)),
+        ..stroke
+    }
+}
+
+/// Draws an arrow.
+fn arrow(sheet: &mut Sheet, tail: Place, tip: Place, colour: Colour, size: f64) {
+    let colour = colour.on(GROUND);
+    sheet.line(&[tail, tip], solid(colour, 1.3 * size));
+    head(sheet, tail, tip, colour, size);
+}
+
+/// Draws the head of an arrow that arrives at `tip` from `from`.
+fn head(sheet: &mut Sheet, from: Place, tip: Place, colour: Rgb, size: f64) {
+    let (dx, dy) = (tip[0] - from[0], tip[1] - from[1]);
+    let length = dx.hypot(dy);
+    if length < 1e-6 {
+        return;
+    }
+    let long = (9.0 * size).min(length.max(4.0 * size));
+    let (ux, uy) = (long * dx / length, long * dy / length);
+    let (wx, wy) = (-0.4 * uy, 0.4 * ux);
+    sheet.fill(
+        &[
+            tip,
+            [tip[0] - ux + wx, tip[1] - uy + wy],
+            [tip[0] - ux - wx, tip[1] - uy - wy],
+        ],
+        colour,
+        1.0,
+    );
 }

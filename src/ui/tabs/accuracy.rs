@@ -10,7 +10,7 @@ use crate::study::chart::{Effort, Judged, Point, Verdict};
 use crate::ui::action::Action;
 use crate::ui::diagram;
 use crate::ui::view_state::ViewState;
-use crate::ui::widgets::{described, progress};
+use crate::ui::widgets::{described, progress, radio_value};
 use crate::ui::words::explain;
 use crate::worker::background::{self, ChartSoFar};
 use crate::worker::job::Job;
@@ -175,7 +175,7 @@ impl Accuracy {
                 }
             }
             for (cost, word) in [(Cost::Time, "time"), (Cost::Transforms, "transforms")] {
-                explain(ui.radio_value(&mut self.cost, cost, word), word);
+                explain(radio_value(ui, &mut self.cost, cost, word), word);
             }
         });
     }

@@ -7,7 +7,7 @@ use crate::ui::action::{Action, KeepFrom, KeptAct, Scales, ViewOptions};
 use crate::ui::diagram::dash;
 use crate::ui::theme;
 use crate::ui::view_state::{Kept, ViewState};
-use crate::ui::widgets::named;
+use crate::ui::widgets::{checkbox, choosable, named};
 use crate::ui::words::explain;
 use egui::{Label, RichText, ScrollArea, TextEdit, Ui, WidgetInfo};
 
@@ -93,15 +93,13 @@ fn row(ui: &mut Ui, state: &ViewState, kept: &Kept, actions: &mut Vec<Action>) {
         let (colour, line) = kept.look();
         let ink = theme::rgb(stroke(Role::Kept(line), colour, theme::ground(ui)).colour);
         let mut shown = !kept.is_hidden;
-        let tick = ui.checkbox(&mut shown, RichText::new(dash(line)).color(ink).strong());
-        tick.widget_info(|| {
-            WidgetInfo::selected(
-                egui::Role::CheckBox,
-                true,
-                shown,
-                format!("Show {}", kept.name),
-            )
-        });
+        let tick = checkbox(
+            ui,
+            &mut shown,
+            RichText::new(dash(line)).color(ink).strong(),
+        );
+        let name = format!("Show {}", kept.name);
+        choosable(&tick, egui::Role::CheckBox, shown, &name);
         if tick.on_hover_text("on the plot or off it").changed() {
             act(KeptAct::Hide);
         }
@@ -116,14 +114,8 @@ fn row(ui: &mut Ui, state: &ViewState, kept: &Kept, actions: &mut Vec<Action>) {
                 }
             }
             let beside = ui.selectable_label(is_b, "A | B");
-            beside.widget_info(|| {
-                WidgetInfo::selected(
-                    egui::Role::Button,
-                    true,
-                    is_b,
-                    format!("Beside: {}", kept.name),
-                )
-            });
+            let name = format!("Beside: {}", kept.name);
+            choosable(&beside, egui::Role::Button, is_b, &name);
             let words = "its scene beside this one, at the same u₀";
             if beside.on_hover_text(words).clicked() {
                 act(KeptAct::Beside);

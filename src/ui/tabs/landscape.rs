@@ -7,7 +7,7 @@ use crate::follow::record::StateRecord;
 use crate::numerics::cancel::Cancel;
 use crate::physics::control::Control;
 use crate::physics::law::Law;
-use crate::plot::landscape_panel::{Extent, at, barrier_panel, landscape_panel};
+use crate::plot::diagram_panel::{Extent, at, barrier_panel, landscape_panel};
 use crate::plot::panel::{Colour, Panel, Series};
 use crate::scene::Scene;
 use crate::scene::units::significant;

@@ -3,14 +3,14 @@
 
 use super::{Tab, Title, Update, small, under_way};
 use crate::physics::parameter::{Parameter, Value};
-use crate::plot::map_panel::{loop_of, map_panels};
 use crate::plot::panel::{Colour, Panel, Series, Symbol};
+use crate::plot::study_panel::{loop_of, map_panels};
 use crate::scene::{Scene, edit, parameter};
 use crate::study::map::{PatternMap, Row, Vary};
 use crate::ui::action::Action;
 use crate::ui::diagram;
 use crate::ui::view_state::ViewState;
-use crate::ui::widgets::described;
+use crate::ui::widgets::{described, radio_value};
 use crate::ui::words::explain_parameter;
 use crate::worker::job::{Job, Reporter};
 use egui::{RichText, Ui};
@@ -127,7 +127,7 @@ impl Tab for Map {
         ui.horizontal_wrapped(|ui| {
             for (parameter, _) in numbers(state) {
                 let label = parameter.label.to_lowercase();
-                let choice = ui.radio_value(&mut self.key, parameter.key, label);
+                let choice = radio_value(ui, &mut self.key, parameter.key, label);
                 explain_parameter(choice, parameter);
             }
             if let Some((_, job)) = &self.job {
@@ -171,9 +171,7 @@ impl Tab for Map {
                 let place = drawn.response.hover_pos();
                 let place = place.map(|p| drawn.transform.value_from_position(p).y);
                 described(&drawn.response, &format!("Map of patterns: {name}"));
-                let geometric = panel.y.logarithmic;
-                let value = |y: f64| if geometric { 10f64.powf(y) } else { y };
-                place.map(|y| (value(y), drawn.response.clicked()))
+                place.map(|y| (panel.y.spread.value(y), drawn.response.clicked()))
             };
             for (panel, name, share) in [
                 (approach, "approach", 0.38),

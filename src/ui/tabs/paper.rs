@@ -5,21 +5,21 @@ use super::{Tab, Title, Update, doing};
 use crate::paper::errata::Erratum;
 use crate::paper::figure::Finding;
 use crate::paper::{Entry, Figure, GALLERY};
-use crate::plot::colours::Colours;
 use crate::plot::panel::{Content, Panel, letter};
+use crate::plot::style::Colours;
 use crate::plot::typeset::number;
 use crate::storage::picture::{common_scale, gap_image};
 use crate::ui::action::Action;
 use crate::ui::diagram;
 use crate::ui::theme::{self, Palette, set};
 use crate::ui::view_state::ViewState;
-use crate::ui::widgets::{described, progress};
+use crate::ui::widgets::{checkbox, choosable, described, progress};
 use crate::ui::words::explain;
 use crate::worker::background::{self, Page, PageContent};
 use crate::worker::job::Job;
 use egui::{
     Color32, ColorImage, Context, Id, Rect, RichText, Role, ScrollArea, TextureHandle,
-    TextureOptions, Ui, WidgetInfo, pos2, vec2,
+    TextureOptions, Ui, pos2, vec2,
 };
 use std::collections::HashMap;
 
@@ -197,7 +197,7 @@ impl Paper {
                 };
                 let chosen = self.page == page;
                 let response = ui.selectable_label(chosen, face).on_hover_text(hover);
-                response.widget_info(|| WidgetInfo::selected(Role::Button, true, chosen, &name));
+                choosable(&response, Role::Button, chosen, &name);
                 if response.clicked() {
                     self.asked = Some(Asked::Open(page));
                 }
@@ -234,7 +234,7 @@ impl Paper {
         let mut overlay = state.plots.overlay;
         let hover = "flat state, and ridge, dimple and bulge of zero range, or JKR for a tip, over \
             the live plot";
-        let overlaid = ui.checkbox(&mut overlay, "Overlay theory");
+        let overlaid = checkbox(ui, &mut overlay, "Overlay theory");
         if overlaid.on_hover_text(hover).changed() {
             actions.push(Action::OverlayTheory(overlay));
         }

@@ -4,30 +4,22 @@
 use super::{STAYS, Tab, Title, Update, take_in};
 use crate::follow::record::Direction;
 use crate::physics::parameter::Dimension;
-use crate::plot::curve::{eigenvalue_at, eigenvalue_scale};
 use crate::plot::loop_panel::branches;
-use crate::plot::panel::{Axis, Colour, Panel, Role, Series, Symbol};
-use crate::plot::style::Ground;
-use crate::plot::ticks::label;
+use crate::plot::panel::{Along, Area, Axis, Colour, Label, Panel, Role, Series, Symbol};
 use crate::scene::units::fixed;
 use crate::solver::gfmd::GfmdBudget;
 use crate::study::forecast::{Forecast, forecast};
 use crate::study::time_step_map::TimeStepMap;
 use crate::ui::action::{Action, ViewOptions};
-use crate::ui::diagram::{self, along, line, small};
+use crate::ui::diagram;
 use crate::ui::machine::{self, Told};
-use crate::ui::theme::{self, Palette};
 use crate::ui::view_state::ViewState;
-use crate::ui::widgets::{described, progress};
+use crate::ui::widgets::{checkbox, described, progress, radio_value};
 use crate::ui::words::explain;
 use crate::worker::background;
 use crate::worker::job::Job;
 use crate::worker::protocol::RunId;
 use egui::{RichText, Ui};
-use egui_plot::{
-    FilledArea, GridInput, GridMark, HLine, LineStyle, MarkerShape, PlotBounds, PlotPoint, PlotUi,
-    Points, Text,
-};
 
 /// Lower end of the axis (E*/L): a strip of the unstable side is always in sight.
 const LOWEST: f64 = -0.4;
@@ -63,9 +55,9 @@ impl Tab for Stability {
         let mut view: ViewOptions = state.view;
         ui.horizontal_wrapped(|ui| {
             for (of, word) in [(Of::States, "states"), (Of::TimeSteps, "time steps")] {
-                explain(ui.radio_value(&mut self.of, of, word), word);
+                explain(radio_value(ui, &mut self.of, of, word), word);
             }
-            ui.checkbox(&mut view.soft_mode, "soft mode on map")
+            checkbox(ui, &mut view.soft_mode, "soft mode on map")
                 .on_hover_text("contours of the mode that gives way first");
         });
         match before {
@@ -82,16 +74,7 @@ impl Tab for Stability {
             let map = self.map().map(|map| time_step_panel(map, state));
             return map.into_iter().collect();
         }
-        let mut series = branches(&state.run.stiffness);
-        for point in series.iter_mut().flat_map(|series| &mut series.points) {
-            point[1] = eigenvalue_at(point[1]);
-        }
-        vec![Panel {
-            x: Axis::of(&state.model.unit(Dimension::Length), "u0/rho", "u0"),
-            y: Axis::linear("smallest eigenvalue (E*/L)"),
-            series,
-            ..Panel::default()
-        }]
+        vec![eigenvalues(state)]
     }
 
     fn update(&mut self, Update { state, solver, .. }: Update<'_>) {
@@ -113,159 +96,87 @@ impl Tab for Stability {
 }
 
 fn eigenvalue(ui: &mut Ui, state: &ViewState) {
-    let ground = theme::ground(ui);
     let ahead = forecast(&state.run.record, &state.model);
     let words = foreseen(state, ahead.as_ref());
     explain(ui.label(RichText::new(&words).strong()), "The next jump");
-    let (left, right) = (state.axes().0[0], state.axes().1[0]);
-    let (low, high) = (eigenvalue_scale(LOWEST), eigenvalue_scale(highest(state)));
     let unit = state.model.unit(Dimension::Length);
-    let hover = |x, y| {
-        let u0 = unit.say(x, 3, "ρ");
-        format!("u₀ {u0}\neigenvalue {} E*/L", fixed(eigenvalue_at(y), 4))
+    let hover = |x, eigenvalue| {
+        let (u0, eigenvalue) = (unit.say(x, 3, "ρ"), fixed(eigenvalue, 4));
+        Some(format!("u₀ {u0}\neigenvalue {eigenvalue} E*/L"))
     };
-    let names = [&*unit.label("u₀ / ρ", "u₀"), "eigenvalue, E*/L"];
-    let response = along(small(ui, "eigenvalue", names, hover), unit.scale)
-        .y_grid_spacer(decades)
-        .y_axis_formatter(|mark, _| decade(eigenvalue_at(mark.value)))
-        .show(ui, |plot| {
-            plot.set_plot_bounds(PlotBounds::from_min_max([left, low], [right, high]));
-            draw(plot, state, ahead.as_ref(), ground);
-        })
-        .response;
+    let height = ui.available_height().max(80.0);
+    let panel = shown(state, ahead.as_ref());
+    let drawn = diagram::show(ui, &panel, "eigenvalue", height, hover);
     let sentence = format!(
         "Smallest eigenvalue against u0: {}; {words}",
         present(state)
     );
-    described(&response, &sentence);
+    described(&drawn.response, &sentence);
+}
+
+/// The smallest eigenvalue along the path.
+fn eigenvalues(state: &ViewState) -> Panel {
+    let (left, right) = (state.axes().0[0], state.axes().1[0]);
+    let unit = state.model.unit(Dimension::Length);
+    Panel {
+        x: Axis::of(&unit, "u_0/rho", "u_0").from_to(left, right),
+        y: Axis::signed("smallest eigenvalue (E*/L)").from_to(LOWEST, highest(state)),
+        series: branches(&state.run.stiffness),
+        ..Panel::default()
+    }
+}
+
+/// The same with the unstable side, where the next jump is expected, and the present state.
+fn shown(state: &ViewState, ahead: Option<&Forecast>) -> Panel {
+    let mut panel = eigenvalues(state);
+    panel.y.label = "eigenvalue, E*/L".to_owned();
+    let (left, right) = (state.axes().0[0], state.axes().1[0]);
+    let (rho, high) = (state.rho(), highest(state));
+    panel.areas.push(Area {
+        colour: Colour::Red,
+        spans: [left, right].map(|x| [x, LOWEST, 0.0]).to_vec(),
+        ..Area::default()
+    });
+    // Where what is driven is not u0, words say where.
+    if let Some(ahead) = ahead.filter(|_| !state.scene.control().frees_mean()) {
+        let ends = [ahead.nearest / rho, ahead.farthest / rho];
+        let [a, b] = [ends[0].min(ends[1]), ends[0].max(ends[1])];
+        panel.areas.push(Area {
+            name: "next jump".to_owned(),
+            colour: Colour::JUMP,
+            spans: [LOWEST, high].map(|y| [y, a, b]).to_vec(),
+            along: Along::Y,
+        });
+    }
+    let word = |at, text: &str, colour, side| Label {
+        at,
+        text: text.to_owned(),
+        colour,
+        side,
+    };
+    panel.labels = vec![
+        word([left, 0.4 * LOWEST], "unstable", Colour::Red, [1, 0]),
+        word([right, high], &present(state), Colour::Ink, [-1, -1]),
+    ];
+    if let Some(now) = &state.run.state {
+        let (x, of) = (now.mean_displacement / rho, now.stiffness_min);
+        let error = [of - now.stiffness_error, of + now.stiffness_error];
+        let error = error.map(|end| [x, end]).to_vec();
+        let error = Series::line("", Role::Theory, Colour::Ink, error);
+        panel.series.push(error);
+        let here = [x, of.clamp(LOWEST, high)];
+        panel.series.extend(Series::here(Some(here)));
+    }
+    panel
 }
 
 /// The upper end of the axis: the flat state pressed as hard as the drive does.
 fn highest(state: &ViewState) -> f64 {
     let length = state.model.grid.length;
-    let pressed = state.model.law.at(state.limits.0).stiffness.max(
-        state
-            .model
-            .law
-            .at(state.model.law.equilibrium_gap())
-            .stiffness,
-    );
+    let law = &state.model.law;
+    let stiffness = |gap: f64| law.at(gap).stiffness;
+    let pressed = stiffness(state.limits.0).max(stiffness(law.equilibrium_gap()));
     1.6 * (std::f64::consts::PI + length * pressed)
-}
-
-/// Marks at zero and at the powers of ten of either sign.
-fn decades(input: GridInput) -> Vec<GridMark> {
-    let (low, high) = input.bounds;
-    [
-        -100.0, -10.0, -1.0, -0.1, 0.0, 0.1, 1.0, 10.0, 100.0, 1e3, 1e4,
-    ]
-    .into_iter()
-    .map(|eigenvalue| GridMark {
-        value: eigenvalue_scale(eigenvalue),
-        step_size: high - low,
-    })
-    .filter(|mark| (low..=high).contains(&mark.value))
-    .collect()
-}
-
-/// A power of ten without the noise of its last digits.
-fn decade(eigenvalue: f64) -> String {
-    label(eigenvalue, eigenvalue.abs())
-}
-
-fn draw(plot: &mut PlotUi<'_>, state: &ViewState, ahead: Option<&Forecast>, ground: Ground) {
-    let palette = &theme::palette_on(ground);
-    let (low, high) = (plot.plot_bounds().min(), plot.plot_bounds().max());
-    let (left, right) = (low[0], high[0]);
-    let below = FilledArea::new("unstable", &[left, right], &[low[1]; 2], &[0.0; 2]);
-    plot.add(
-        below
-            .fill_color(palette.warn.gamma_multiply(0.2))
-            .allow_hover(false),
-    );
-    plot.hline(
-        HLine::new("zero", 0.0)
-            .color(palette.warn)
-            .width(1.2)
-            .allow_hover(false),
-    );
-    let word = Text::new(
-        "unstable",
-        PlotPoint::new(left + 0.01 * (right - left), 0.55 * low[1]),
-        RichText::new("unstable").small(),
-    );
-    plot.text(
-        word.color(palette.warn)
-            .anchor(egui::Align2::LEFT_CENTER)
-            .allow_hover(false),
-    );
-    // Where what is driven is not u0, words say where.
-    if let Some(ahead) = ahead.filter(|_| !state.scene.control().frees_mean()) {
-        bracket(plot, state, ahead, palette);
-    }
-    let panel = Panel {
-        series: branches(&state.run.stiffness),
-        ..Panel::default()
-    };
-    diagram::draw(plot, &panel, ground);
-    let corner = PlotPoint::new(
-        right - 0.01 * (right - left),
-        high[1] - 0.02 * (high[1] - low[1]),
-    );
-    let value = Text::new("value", corner, RichText::new(present(state)).small());
-    plot.text(
-        value
-            .color(palette.now)
-            .anchor(egui::Align2::RIGHT_TOP)
-            .allow_hover(false),
-    );
-    let Some(now) = &state.run.state else { return };
-    let x = now.mean_displacement / state.rho();
-    let place = |e: f64| eigenvalue_scale(e).clamp(low[1], high[1]);
-    if now.stiffness_error > 0.0 {
-        let (a, b) = (
-            now.stiffness_min - now.stiffness_error,
-            now.stiffness_min + now.stiffness_error,
-        );
-        plot.line(
-            line("error", &[[x, place(a)], [x, place(b)]], palette.now, 1.5).allow_hover(false),
-        );
-    }
-    let at = vec![[x, place(now.stiffness_min)]];
-    let mark = |name: &str| {
-        Points::new(name, at.clone())
-            .shape(MarkerShape::Circle)
-            .color(palette.now)
-            .allow_hover(false)
-    };
-    plot.points(mark("now").radius(6.0).filled(false));
-    plot.points(mark("now").radius(3.0));
-}
-
-/// Where the next jump is expected: a strip, or a line where it is known exactly.
-fn bracket(plot: &mut PlotUi<'_>, state: &ViewState, ahead: &Forecast, palette: &Palette) {
-    let bounds = plot.plot_bounds();
-    let (low, high) = (bounds.min()[1], bounds.max()[1]);
-    let ends = [ahead.nearest / state.rho(), ahead.farthest / state.rho()];
-    let strip = FilledArea::new(
-        "next jump",
-        &[ends[0].min(ends[1]), ends[0].max(ends[1])],
-        &[low; 2],
-        &[high; 2],
-    );
-    plot.add(
-        strip
-            .fill_color(palette.jump.gamma_multiply(0.22))
-            .allow_hover(false),
-    );
-    for x in ends {
-        let style = LineStyle::dashed_dense();
-        plot.line(
-            line("next jump", &[[x, low], [x, high]], palette.jump, 1.2)
-                .style(style)
-                .allow_hover(false),
-        );
-    }
 }
 
 /// The present eigenvalue with its error.

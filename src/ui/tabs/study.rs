@@ -5,7 +5,7 @@ use super::map::Around;
 use super::{Tab, Title, Update};
 use crate::physics::parameter::{Parameter, Value, number};
 use crate::plot::panel::Panel;
-use crate::plot::sweep_panel::panel;
+use crate::plot::study_panel::sweep_panel;
 use crate::scene::units::fixed;
 use crate::scene::{edit, parameter};
 use crate::study::axis::{Spacing, Span, grid};
@@ -13,7 +13,7 @@ use crate::study::sweep::{COLUMNS, Point, Row, Study};
 use crate::ui::action::Action;
 use crate::ui::diagram;
 use crate::ui::view_state::ViewState;
-use crate::ui::widgets::{Entry, described, named_as, progress};
+use crate::ui::widgets::{Entry, checkbox, described, named_as, progress};
 use crate::ui::words::explain;
 use crate::worker::job::{Job, Reporter};
 use egui::{ComboBox, RichText, Role, Ui};
@@ -274,7 +274,7 @@ impl StudyTab {
         explain(response.labelled_by(label.id), "loops");
         self.count = entered.map_or(self.count, |count| count as usize);
         let mut logarithmic = span.spacing == Spacing::Logarithmic;
-        explain(ui.checkbox(&mut logarithmic, "log"), "log");
+        explain(checkbox(ui, &mut logarithmic, "log"), "log");
         span.spacing = if logarithmic {
             Spacing::Logarithmic
         } else {
@@ -324,7 +324,7 @@ impl Running {
         let (name, title) = QUANTITIES[quantity];
         let names = [self.study.keys[0].clone(), name.to_owned()];
         let (.., panel) = self.drawn.get_or_insert_with(|| {
-            let mut panel = panel(&self.study, &rows, &names);
+            let mut panel = sweep_panel(&self.study, &rows, &names);
             panel.y.label = title.to_owned();
             (rows.clone(), quantity, panel)
         });
@@ -335,8 +335,12 @@ impl Running {
             let numbers = self.study.numbers(row, name);
             numbers.into_iter().map(move |y| (row, [row.values[0], y]))
         });
-        let placed =
-            marks.map(|(row, [x, y])| ((row, [x, y]), [panel.x.shown(x), panel.y.shown(y)]));
+        let placed = marks.map(|(row, [x, y])| {
+            (
+                (row, [x, y]),
+                [panel.x.spread.shown(x), panel.y.spread.shown(y)],
+            )
+        });
         let pointed = diagram::nearest(&shown, NEAR, placed);
         let response = shown.response;
         let sentence = format!("Study of {}: {}", self.study.keys[0], self.words());

@@ -3,11 +3,11 @@
 
 use super::{KeptLoops, ViewState};
 use crate::follow::diagram::Diagram;
-use crate::follow::record::Direction;
 use crate::paper::overlay::ZeroRange;
 use crate::physics::parameter::Dimension;
 use crate::physics::pattern::Pattern;
 use crate::plot::curve::Curve;
+use crate::plot::loop_panel::place;
 use crate::plot::panel::Series;
 use crate::plot::scale;
 use crate::scene::Model;
@@ -107,8 +107,8 @@ pub struct LiveView {
     pub run: RunId,
     /// The loop with its numbers.
     pub state: Arc<LiveState>,
-    /// Its pieces: direction, and (u0/rho, stress/sigma_max).
-    pub pieces: Vec<(Direction, Vec<[f64; 2]>)>,
+    /// Its pieces: (u0/rho, stress/sigma_max).
+    pub pieces: Vec<Vec<[f64; 2]>>,
     /// Its jumps: (u0/rho, stress/sigma_max) before and after.
     pub jumps: Vec<[[f64; 2]; 2]>,
 }
@@ -118,28 +118,18 @@ impl LiveView {
     pub fn new(run: RunId, state: Arc<LiveState>) -> Self {
         let (mut pieces, mut jumps) = (Vec::new(), Vec::new());
         if let Ok(found) = &state.found {
-            let (rho, top) = (found.law.range, found.law.traction_max());
-            let scaled = |points: Vec<[f64; 2]>| {
-                points
-                    .into_iter()
-                    .map(|p| [p[0] / rho, p[1] / top])
-                    .collect()
-            };
-            pieces = found
-                .legs
-                .iter()
-                .map(|leg| (leg.direction, scaled(found.points_of(leg))))
+            let at = |u0, stress| place(u0, stress, &found.law);
+            let legs = found.legs.iter().map(|leg| found.points_of(leg));
+            pieces = legs
+                .map(|leg| leg.into_iter().map(|[u0, stress]| at(u0, stress)).collect())
                 .collect();
-            jumps = found
-                .jumps
-                .iter()
-                .map(|j| {
-                    [
-                        [j.mean_displacement / rho, j.stress_before / top],
-                        [j.mean_displacement_after / rho, j.stress_after / top],
-                    ]
-                })
-                .collect();
+            let ends = found.jumps.iter().map(|j| {
+                [
+                    at(j.mean_displacement, j.stress_before),
+                    at(j.mean_displacement_after, j.stress_after),
+                ]
+            });
+            jumps = ends.collect();
         }
         Self {
             run,
@@ -167,23 +157,11 @@ impl LiveView {
 impl ViewState {
     /// Fits the plot's axes to the data; without any, to the scene.
     pub fn fit_axes(&mut self) {
-        let kept = self
-            .plots
-            .kept
-            .drawn()
-            .flat_map(|kept| self.lines_of(kept).into_iter().flatten());
-        let points: Vec<[f64; 2]> = self
-            .run
-            .curve
-            .points()
-            .chain(
-                self.plots
-                    .ghosts
-                    .iter()
-                    .flat_map(|ghost| ghost.curve.points()),
-            )
-            .chain(kept)
-            .collect();
+        let plots = &self.plots;
+        let kept = plots.kept.drawn().flat_map(|kept| self.lines_of(kept));
+        let earlier = plots.ghosts.iter().flat_map(|ghost| ghost.curve.points());
+        let walked = self.run.curve.points().chain(earlier);
+        let points: Vec<[f64; 2]> = walked.chain(kept.flatten()).collect();
         let side = |k: usize| {
             let (low, high) = scale::ends(points.iter().map(|p| p[k]));
             let margin = 0.06 * (high - low).max(1e-3);
@@ -209,19 +187,13 @@ impl ViewState {
     /// True if recorded data lie outside the axes.
     pub fn data_leave_view(&self) -> bool {
         let (low, high) = self.axes();
-        let out = |p: [f64; 2]| (0..2).any(|k| p[k] < low[k] || p[k] > high[k]);
-        self.run
-            .curve
-            .pieces
-            .last()
-            .and_then(|piece| piece.points.last())
-            .is_some_and(|&p| out(p))
-            || self
-                .run
-                .curve
-                .pieces
+        let out = |p: &[f64; 2]| (0..2).any(|k| p[k] < low[k] || p[k] > high[k]);
+        let pieces = &self.run.curve.pieces;
+        let newest = pieces.last().and_then(|piece| piece.points.last());
+        newest.is_some_and(out)
+            || pieces
                 .iter()
-                .any(|piece| piece.points.first().is_some_and(|&p| out(p)))
+                .any(|piece| piece.points.first().is_some_and(out))
     }
 
     /// Theory in the units of the live plot: name, and (u0/rho, stress/sigma_max).
@@ -229,19 +201,14 @@ impl ViewState {
         let Some(theory) = self.plots.theory.as_ref().filter(|_| self.plots.overlay) else {
             return Vec::new();
         };
-        let (rho, top) = (self.rho(), self.model.law.traction_max());
+        let law = &self.model.law;
         let [low, high] = window::of_u0(&self.scene, &self.model);
+        let lines = theory.lines(&self.model, low, high).into_iter();
         let scaled = |points: Vec<[f64; 2]>| {
-            points
-                .into_iter()
-                .map(|[u0, stress]| [u0 / rho, stress / top])
-                .collect()
+            let points = points.into_iter();
+            points.map(|[u0, stress]| place(u0, stress, law)).collect()
         };
-        theory
-            .lines(&self.model, low, high)
-            .into_iter()
-            .map(|line| (line.name, scaled(line.points)))
-            .collect()
+        lines.map(|line| (line.name, scaled(line.points))).collect()
     }
 
     /// While a parameter is dragged every loop is late by a few frames; it is drawn all the same.
@@ -254,18 +221,12 @@ impl ViewState {
 
     /// Where the surface will stand at the target, read off the live loop of this very scene.
     pub fn foreseen(&self) -> Option<(Pattern, Sample)> {
-        let live = self
-            .plots
-            .live
-            .as_ref()
-            .filter(|live| live.run == self.run.id)?;
+        let live = self.plots.live.as_ref();
+        let live = live.filter(|live| live.run == self.run.id)?;
         if self.target == self.run.actual {
             return None;
         }
-        live.state
-            .found
-            .as_ref()
-            .ok()?
-            .reading(self.run.state.as_ref()?, self.target)
+        let found = live.state.found.as_ref().ok()?;
+        found.reading(self.run.state.as_ref()?, self.target)
     }
 }

@@ -1,11 +1,11 @@
-//! What a session file keeps of the window beside the scene, and how it is taken up again.
+//! Ways back. What a session file keeps of the window beside the scene, and how it is taken up again;
+//! undo and redo: the scenes before and after the present one, and where their surfaces were.
 
 use super::kept::SavedLoop;
 use super::{Curve, Films, KeptLoops, Store, ViewState};
 use crate::follow::record::LoopRecord;
-use crate::plot::curve::eigenvalue_scale;
-use crate::scene::Scene;
 use crate::scene::part::Strategy;
+use crate::scene::{Drive, Scene};
 use crate::solver::methods::MethodKind;
 use crate::storage::session::Session;
 use crate::worker::protocol::{Film, Stored};
@@ -131,11 +131,165 @@ impl ViewState {
         record.jumps.truncate(here.before[1]);
         let (law, run) = (&self.model.law, &mut self.run);
         run.curve = Curve::of(&record, law);
-        run.stiffness = Curve::of_ordinate(&record, law, |s| eigenvalue_scale(s.stiffness_min));
+        run.stiffness = Curve::of_ordinate(&record, law, |s| s.stiffness_min);
         run.record = record;
         run.store = Store::new(states);
         run.films = Films::new(films);
         self.resume(here);
         Ok(())
+    }
+}
+
+/// Among how many of the last scenes one that comes back is looked for.
+const RECENT: usize = 16;
+/// Most edits that can be taken back.
+const DEPTH: usize = 200;
+
+/// A scene, how it was computed, and where its surface was; `None` at the start of the drive.
+#[derive(Clone, Debug)]
+pub struct Past {
+    scene: Arc<Scene>,
+    method: MethodKind,
+    asked: Option<Strategy>,
+    surface: Option<Arc<Stored>>,
+}
+
+/// Undo and redo of scene edits: the scenes before and after the present one. One drag is one undo,
+/// however many values it passes.
+#[derive(Clone, Debug, Default)]
+pub struct History {
+    undo: Vec<Past>,
+    redo: Vec<Past>,
+    in_gesture: bool,
+}
+
+impl History {
+    /// Notes that `before` is about to be replaced. Within one gesture only the first call counts.
+    pub fn remember(&mut self, before: Past) {
+        if !self.in_gesture {
+            self.undo.push(before);
+            if self.undo.len() > DEPTH {
+                self.undo.remove(0);
+            }
+        }
+        self.in_gesture = true;
+        self.redo.clear();
+    }
+
+    /// The newest of the scenes before that the `edited` one differs from in title and drive alone:
+    /// there and back, as from law to law, the drive would else stay adapted to the way. None where
+    /// it is the drive of the `present` scene that was edited.
+    pub(super) fn known(&self, edited: &Scene, present: &Scene) -> Option<Scene> {
+        let same = |a: &Scene| {
+            let like = Scene {
+                title: edited.title.clone(),
+                drive: Drive {
+                    control: a.drive.control,
+                    ..edited.drive
+                },
+                ..a.clone()
+            };
+            like == *edited
+        };
+        if same(present) {
+            return None;
+        }
+        let before = self.undo.iter().rev().take(RECENT);
+        before
+            .map(|past| &*past.scene)
+            .find(|scene| same(scene))
+            .cloned()
+    }
+
+    /// The pointer is up: the next edit is another one.
+    pub fn end_gesture(&mut self) {
+        self.in_gesture = false;
+    }
+
+    /// What was before `present`, if anything.
+    pub fn undo(&mut self, present: Past) -> Option<Past> {
+        let past = self.undo.pop()?;
+        self.redo.push(present);
+        Some(past)
+    }
+
+    /// What came after `present`, if anything.
+    pub fn redo(&mut self, present: Past) -> Option<Past> {
+        let past = self.redo.pop()?;
+        self.undo.push(present);
+        Some(past)
+    }
+
+    /// The scene that an undo brings back.
+    pub fn before(&self) -> Option<&Arc<Scene>> {
+        self.undo.last().map(|past| &past.scene)
+    }
+
+    /// True if there is something to take back.
+    pub fn can_undo(&self) -> bool {
+        !self.undo.is_empty()
+    }
+
+    /// True if there is something to do again.
+    pub fn can_redo(&self) -> bool {
+        !self.redo.is_empty()
+    }
+}
+
+impl ViewState {
+    /// Undoes a scene edit, and brings the surface back where it was.
+    pub fn undo(&mut self) {
+        let past = self.history.undo(self.past());
+        self.bring_back(past);
+    }
+
+    /// Takes an undo back.
+    pub fn redo(&mut self) {
+        let past = self.history.redo(self.past());
+        self.bring_back(past);
+    }
+
+    /// What an undo brings back. The start of the drive is come to by itself.
+    pub(super) fn past(&self) -> Past {
+        let Drive { start, step, .. } = self.scene.drive;
+        // Behind a spring it may be a rounding off.
+        let at_start = |control: f64| (control - start).abs() < 1e-6 * step;
+        let is_start = |s: &&Arc<Stored>| s.before == [0, 0] && at_start(s.record.control);
+        let stored = self.run.store.newest();
+        Past {
+            scene: self.scene.clone(),
+            method: self.method,
+            asked: self.asked,
+            surface: stored.filter(|s| !is_start(s)).cloned(),
+        }
+    }
+
+    fn bring_back(&mut self, past: Option<Past>) {
+        let Some(Past {
+            scene,
+            method,
+            asked,
+            surface,
+        }) = past
+        else {
+            return;
+        };
+        if let Some(surface) = surface
+            .as_ref()
+            .filter(|_| Arc::ptr_eq(&scene, &self.scene))
+            .filter(|_| (method, asked) == (self.method, self.asked))
+        {
+            // Nothing but the surface has changed.
+            return self.resume(surface.clone());
+        }
+        (self.method, self.asked) = (method, asked);
+        if surface.is_none() {
+            self.target = self.limits.1;
+        }
+        if self.set_scene((*scene).clone())
+            && let Some(surface) = surface
+        {
+            self.resume(surface);
+        }
     }
 }

@@ -4,7 +4,6 @@
 use super::{Curve, Foresight, Ghost, Origin, ViewState};
 use crate::follow::record::{Direction, LoopRecord, StateRecord};
 use crate::physics::pattern::Pattern;
-use crate::plot::curve::eigenvalue_scale;
 use crate::study::live_loop::LiveLoop;
 use crate::worker::protocol::{Film, Frame, Stored};
 use std::collections::VecDeque;
@@ -220,8 +219,7 @@ impl ViewState {
         run.record.jumps.truncate(jumps);
         let law = &self.model.law;
         run.curve = Curve::of(&run.record, law);
-        let softness = |s: &StateRecord| eigenvalue_scale(s.stiffness_min);
-        run.stiffness = Curve::of_ordinate(&run.record, law, softness);
+        run.stiffness = Curve::of_ordinate(&run.record, law, |s| s.stiffness_min);
         // What follows a jump that stays is added after it.
         if states > 0 {
             return;
