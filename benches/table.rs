@@ -3,7 +3,8 @@
 //! `-- "run fig2" memory`). Lines that take more than some seconds want to be named.
 //!
 //! A *pair* is the duration of one forward and one back transform of 64 x 64 points on one thread,
-//! measured in the same run: machines differ, their ratio hardly does. Pairs are of processor time.
+//! measured before and after each line: machines differ, and from minute to minute, their ratio hardly
+//! does. Pairs are of processor time.
 //! An increment is one state of a walk, with Newton's method, the proof that it is stable, modes
 //! followed, jumps and steps not taken.
 
@@ -119,20 +120,18 @@ fn main() {
         left.iter().for_each(|line| println!("{}", line.name));
         return;
     }
-    let pair = pair();
-    println!("pair: {:.1} us", 1e6 * pair);
     println!(
-        "{:<46} {:>9} {:>10} {:>10} {:>10} {:>5}  an increment: ms, transforms (Newton, proofs)",
-        "", "pairs", "proc. ms", "wall ms", "transforms", "incr."
+        "{:<46} {:>7} {:>9} {:>10} {:>10} {:>10} {:>5}  an increment: ms, transforms (Newton, proofs)",
+        "", "pair us", "pairs", "proc. ms", "wall ms", "transforms", "incr."
     );
-    for line in &mut chosen {
-        show(line, pair);
-    }
+    chosen.iter_mut().for_each(show);
 }
 
 /// Runs a line and prints it.
-fn show(Line { name, runs, work }: &mut Line, pair: f64) {
+fn show(Line { name, runs, work }: &mut Line) {
+    let before = pair();
     let mut all: Vec<Spent> = (0..*runs).map(|_| work()).collect();
+    let pair = 0.5 * (before + pair());
     all.sort_by(|a, b| a.processor.total_cmp(&b.processor));
     let spent = all[*runs / 2].clone();
     let count = |n: usize| {
@@ -143,7 +142,8 @@ fn show(Line { name, runs, work }: &mut Line, pair: f64) {
         }
     };
     print!(
-        "{name:<46} {:>9.0} {:>10.1} {:>10.1} {:>10} {:>5}",
+        "{name:<46} {:>7.1} {:>9.0} {:>10.1} {:>10.1} {:>10} {:>5}",
+        1e6 * pair,
         spent.processor / pair,
         1e3 * spent.processor,
         1e3 * spent.wall,
