@@ -33,7 +33,7 @@ pub enum BasisScratch<T: Real = f64> {
 
 impl<T: Real> Basis<T> {
     /// The same waves in single precision.
-    pub fn in_single(&self) -> Basis<f32> {
+    fn in_single(&self) -> Basis<f32> {
         match self {
             Basis::Whole(fourier) => {
                 let (ny, nx) = fourier.shape();

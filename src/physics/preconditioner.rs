@@ -43,7 +43,7 @@ const LINE_WAVES: f64 = 64.0;
 #[derive(Clone, Debug)]
 pub struct Preconditioner {
     diagonal: Vec<f64>,
-    /// Its roots: to take them for every product is a tenth of a proof's time.
+    /// Its roots: taken for every product of a proof they were a fifteenth of a loop over a tip.
     roots: Vec<f64>,
     /// In place of `modes` for even systems.
     even: Option<LowBlock>,

@@ -3,7 +3,8 @@
 //!
 //! Colour never speaks alone: approach and retraction differ in the marks along their lines, stable
 //! and unstable in dashes, methods in symbols. Contrasts are those of WCAG 2: at least 3 for every
-//! mark on its ground, 1.5 for the shaded loss, which has an outline too. The colours of a map of the gap are dark where the surfaces touch.
+//! mark on its ground, 1.5 for the shaded loss, which has an outline too. The colours of a map of the
+//! gap are dark where the surfaces touch.
 
 use super::panel::{Colour, Dash, Role, Symbol};
 use crate::follow::record::Direction;

@@ -24,11 +24,11 @@ use std::fmt::Write;
 use std::path::{Path, PathBuf};
 
 /// First line of `loop.csv`.
-pub const LOOP_COLUMNS: &str = "branch,mean_displacement,stress,stress_over_max,contact_area,\
+const LOOP_COLUMNS: &str = "branch,mean_displacement,stress,stress_over_max,contact_area,\
     pattern,residual,stiffness_min,energy,model,milliseconds,control";
 
 /// First line of `events.csv`.
-pub const EVENT_COLUMNS: &str =
+const EVENT_COLUMNS: &str =
     "branch,mean_displacement,from,to,released_energy,cause,control,mean_displacement_after";
 
 /// First line of `chart.csv`.

@@ -128,7 +128,7 @@ impl GapPicture {
     }
 
     /// The contours of a mode of this field.
-    pub fn mode_lines(&self, mode: &Array2<f64>) -> ModeLines {
+    fn mode_lines(&self, mode: &Array2<f64>) -> ModeLines {
         let mode = rolled(mode, self.roll.0, self.roll.1);
         let largest = mode.iter().fold(0.0f64, |a, v| a.max(v.abs()));
         let lines = |sign: f64| {

@@ -79,7 +79,7 @@ fn options(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {
 }
 
 /// What map and profile show, in one line.
-pub fn surface_words(state: &ViewState, palette: &Palette, plain: Color32) -> (String, Color32) {
+fn surface_words(state: &ViewState, palette: &Palette, plain: Color32) -> (String, Color32) {
     let length = state.model.unit(Dimension::Length);
     let at = |u0: f64| format!("u₀ = {}", length.say(u0 / state.rho(), 4, "ρ"));
     if let Some(frame) = &state.run.replayed {

@@ -196,7 +196,7 @@ fn lines(state: &ViewState) -> Vec<String> {
 }
 
 /// In a few words: "quarter of 64 × 64, expected error 0.005 %".
-pub fn model_words(choice: &ModelChoice, grid: &Grid) -> String {
+fn model_words(choice: &ModelChoice, grid: &Grid) -> String {
     let place = match (choice.part.is_even(), grid.is_line()) {
         (false, true) => format!("line of {}", grid.nx),
         (true, true) => format!("half a line of {}", grid.nx),
