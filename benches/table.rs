@@ -20,7 +20,7 @@ use tackscope::follow::walk::{Observed, Progress, Walk, WalkOptions};
 use tackscope::numerics::cancel::Cancel;
 use tackscope::numerics::fourier::Fourier;
 use tackscope::numerics::precision::Precision;
-use tackscope::paper::tips::{self, Order};
+use tackscope::paper::scenes::{self, Order};
 use tackscope::paper::{Size, Task};
 use tackscope::physics::system::System;
 use tackscope::scene::part::Part;
@@ -389,7 +389,7 @@ fn walks() -> Vec<Line> {
                 let quiet = &mut |_: f64, _: &str| {};
                 let mut task = Task::new(Size::Full, &cancel, quiet);
                 timed(|| {
-                    tips::run(&Order::new(mu_rho, 512), &mut task).expect("a loop");
+                    scenes::run(&Order::new(mu_rho, 512), &mut task).expect("a loop");
                     0
                 })
             },

@@ -6,26 +6,26 @@
 //! standard output, progress and refusals to standard error. May use every room below.
 
 mod catalogue;
-mod figure;
 mod pages;
-mod progress;
-mod report;
 mod run;
 mod sweep;
 
+use crate::follow::record::{JumpRecord, StateRecord};
+use crate::follow::run::Report;
 use crate::numerics::cancel::Cancel;
+use crate::plot::scale::digits;
 use crate::scene::Scene;
-use crate::scene::part::Strategy;
-use crate::solver::methods::MethodKind;
-use crate::storage::fields::Keep;
-use crate::storage::folder::Folder;
+use crate::scene::units::fixed;
+use crate::storage::files::Folder;
 use crate::storage::{Failure, VERSION, files, line, presets};
 use crate::worker::signals;
-use clap::builder::{PathBufValueParser, PossibleValue, TypedValueParser};
-use clap::{Args, Parser, Subcommand, ValueEnum};
-use std::io::{ErrorKind, Write, stderr, stdout};
+use clap::builder::{PathBufValueParser, TypedValueParser};
+use clap::{Args, Parser, Subcommand};
+use indicatif::{HumanDuration, ProgressBar, ProgressDrawTarget, ProgressStyle};
+use std::io::{ErrorKind, IsTerminal, Write, stderr, stdout};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
+use std::time::Duration;
 
 /// Done.
 const DONE: u8 = 0;
@@ -35,9 +35,6 @@ const BAD_INPUT: u8 = 2;
 const NOT_CONVERGED: u8 = 3;
 /// Stopped by Ctrl-C or another signal.
 const INTERRUPTED: u8 = 130;
-
-/// Longest time that a chart may be given.
-const SECONDS_MAX: f64 = 1e6;
 
 /// A desktop explorer of adhesive hysteresis: lower a soft body onto a sticky surface, pull it off,
 /// and watch where it jumps.
@@ -64,13 +61,13 @@ enum Command {
     /// Writes loop.csv, events.csv, loop.svg, loop.png, gaps/*.png, with --fields fields.npz, and
     /// at last summary.json into the folder, in place of those of an earlier run, which are removed
     /// at the start. Until all is written summary.json says "running".
-    Run(RunArguments),
+    Run(run::RunArguments),
     /// Follow every branch of equilibria of a scene, stable and unstable
     ///
     /// Writes branches.csv, points.csv (folds, bifurcations, equal energies), diagram.svg and
     /// diagram.png into the folder. What could not be followed is said, and in the picture: exit
     /// code 3.
-    Diagram(DiagramArguments),
+    Diagram(pages::DiagramArguments),
     /// Map where every jump of a scene's loop lies as one parameter goes
     ///
     /// Writes map.csv (jumps and ends of patterns, with the loss), map.svg and map.png into the
@@ -87,30 +84,30 @@ enum Command {
     /// Writes ground.svg and ground.png (map, distribution of heights, power spectrum), ground.json
     /// (rms height, slope and curvature, what was done to a height file), spectrum.csv and
     /// heights.csv (a height file) into the folder.
-    Ground(GroundArguments),
+    Ground(pages::GroundArguments),
     /// Chart the speed of every method against its accuracy on the loop of a scene
     ///
     /// Writes chart.csv, chart.json, chart.svg and chart.png into the folder. Errors are against a
     /// finer mesh with half the step; failures are rows of the table and marks in the picture. Exit
     /// code 0 if the chart is complete, whatever failed in it.
-    Chart(ChartArguments),
+    Chart(pages::ChartArguments),
     /// Compute the paper's figures anew, beside their theory
     ///
     /// Writes figure-NN.csv (data), figure-NN.svg and figure-NN.png into the folder. A figure that
     /// cannot be computed does not keep the others: exit code 3.
-    Figure(FigureArguments),
+    Figure(catalogue::FigureArguments),
     /// Compute the paper's table anew
     ///
     /// Writes table-N.csv, table-N.svg and table-N.png into the folder.
-    Table(TableArguments),
+    Table(catalogue::TableArguments),
     /// List the built-in scenes
     Presets,
     /// List the lessons
     ///
     /// With --check each is performed without the window: exit code 3 if one cannot be done.
-    Lessons(LessonsArguments),
+    Lessons(catalogue::LessonsArguments),
     /// Print a scene as a scene file, with everything that it leaves open decided
-    Scene(SceneArguments),
+    Scene(catalogue::SceneArguments),
 }
 
 /// Where results go, and what is said of them.
@@ -124,197 +121,9 @@ struct Output {
     quiet: bool,
 }
 
-/// What `tackscope figure` is told.
-#[derive(Args, Clone, Debug)]
-struct FigureArguments {
-    /// The figure's number in the paper, or all
-    #[arg(value_name = "N|all")]
-    figure: String,
-    #[command(flatten)]
-    output: Output,
-    /// Also write report.html (pictures, findings, Table 1, what the print got wrong) and
-    /// findings.csv
-    #[arg(long)]
-    report: bool,
-    /// Coarse meshes and few points: seconds in place of minutes
-    #[arg(long)]
-    quick: bool,
-    /// Drive the tips of Figs 12 and 13 by a load in place of a displacement
-    #[arg(long)]
-    load: bool,
-    /// Measure the law of Fig. 14 on the ground of this scene in place of the paper's
-    #[arg(long, value_name = "SCENE", conflicts_with = "load")]
-    scene: Option<String>,
-}
-
-/// What `tackscope lessons` is told.
-#[derive(Args, Clone, Debug)]
-struct LessonsArguments {
-    /// Perform every lesson, and print what it explains
-    #[arg(long)]
-    check: bool,
-}
-
-/// What `tackscope table` is told.
-#[derive(Args, Clone, Debug)]
-struct TableArguments {
-    /// The table's number in the paper
-    #[arg(value_name = "N")]
-    table: String,
-    #[command(flatten)]
-    output: Output,
-}
-
-/// What `tackscope diagram` is told.
-#[derive(Args, Clone, Debug)]
-struct DiagramArguments {
-    /// A built-in scene (see `tackscope presets`), a scene file, or - for standard input
-    scene: String,
-    #[command(flatten)]
-    output: Output,
-    /// Points a side in place of the scene's (a line cell stays a line)
-    #[arg(long, value_name = "N")]
-    points: Option<usize>,
-    /// Also writes barriers.csv: every saddle at N places of the drive, and what it separates
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
-    barriers: Option<u16>,
-    /// Also writes fields.npz: gap, displacement and traction of every point, for numpy
-    #[arg(long)]
-    fields: bool,
-}
-
-/// What `tackscope ground` is told.
-#[derive(Args, Clone, Debug)]
-struct GroundArguments {
-    /// A built-in scene (see `tackscope presets`), a scene file, a height file, or - for a scene from
-    /// standard input
-    #[arg(value_name = "SCENE|FILE")]
-    scene: String,
-    #[command(flatten)]
-    output: Output,
-    /// Points a side in place of the scene's, or of a height file's
-    #[arg(long, value_name = "N")]
-    points: Option<usize>,
-}
-
-/// What `tackscope chart` is told.
-#[derive(Args, Clone, Debug)]
-struct ChartArguments {
-    /// A built-in scene (see `tackscope presets`), a scene file, or - for standard input
-    scene: String,
-    #[command(flatten)]
-    output: Output,
-    /// Only coarse meshes and long steps: seconds in place of minutes
-    #[arg(long)]
-    quick: bool,
-    /// Processor time to spend, in seconds; what does not fit is skipped, and said to be
-    #[arg(
-        long,
-        value_name = "S",
-        default_value_t = 180.0,
-        conflicts_with = "quick"
-    )]
-    #[arg(value_parser = seconds, allow_negative_numbers = true)]
-    seconds: f64,
-}
-
-/// What `tackscope run` is told.
-#[derive(Args, Clone, Debug)]
-struct RunArguments {
-    /// A built-in scene (see `tackscope presets`), a scene file, or - for standard input
-    scene: String,
-    #[command(flatten)]
-    output: Output,
-    /// Which method follows the branches
-    #[arg(long, value_enum, default_value_t = MethodKind::NewtonKrylov)]
-    method: MethodKind,
-    /// How the loop is computed, in place of the plan's choice
-    #[arg(long, value_enum, default_value_t = Asked(None))]
-    model: Asked,
-    /// Seed in place of the scene's: it chooses between equivalent patterns
-    #[arg(long, value_name = "N")]
-    #[arg(value_parser = clap::value_parser!(u64).range(..=i64::MAX as u64))]
-    seed: Option<u64>,
-    /// Points a side in place of the scene's (a line cell stays a line)
-    #[arg(long, value_name = "N")]
-    points: Option<usize>,
-    /// Largest step of u0 in place of the scene's
-    #[arg(long, value_name = "S", allow_negative_numbers = true)]
-    step: Option<f64>,
-    /// Afterwards run the paper's method on the same loop and write the ratio of processor time
-    /// into summary.json
-    #[arg(long)]
-    yardstick: bool,
-    /// Afterwards walk the same loop on the next finer mesh of the whole cell and write the
-    /// measured error into summary.json
-    #[arg(long)]
-    verify: bool,
-    /// Also write the fields of so many states into fields.npz, which numpy reads: gap,
-    /// displacement, traction
-    #[arg(long, value_name = "all|jumps|every=N")]
-    fields: Option<Keep>,
-}
-
-/// What `tackscope scene` is told.
-#[derive(Args, Clone, Debug)]
-struct SceneArguments {
-    /// A built-in scene (see `tackscope presets`), a scene file, or - for standard input
-    scene: String,
-    /// Print JSON
-    #[arg(long)]
-    json: bool,
-}
-
-/// The strategy that is asked for; `None` leaves it to the plan.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-struct Asked(Option<Strategy>);
-
-impl ValueEnum for Asked {
-    fn value_variants<'a>() -> &'a [Self] {
-        &[
-            Asked(None),
-            Asked(Some(Strategy::Atlas)),
-            Asked(Some(Strategy::QUARTER)),
-            Asked(Some(Strategy::WHOLE)),
-        ]
-    }
-
-    fn to_possible_value(&self) -> Option<PossibleValue> {
-        let help = match self.0 {
-            None => "the cheapest model that is good enough",
-            Some(Strategy::Atlas) => "branches of flat, ridge and square patterns",
-            Some(Strategy::Walk(part)) if part.is_even() => {
-                "the walk on the even quarter of the cell"
-            }
-            Some(Strategy::Walk(_)) => "the walk on the whole cell",
-        };
-        Some(PossibleValue::new(self.0.map_or("plan", Strategy::word)).help(help))
-    }
-}
-
-impl ValueEnum for MethodKind {
-    fn value_variants<'a>() -> &'a [Self] {
-        &MethodKind::ALL
-    }
-
-    fn to_possible_value(&self) -> Option<PossibleValue> {
-        Some(PossibleValue::new(self.word()).help(self.title()))
-    }
-}
-
 /// A folder as it was typed.
 fn folder() -> impl TypedValueParser<Value = PathBuf> {
     PathBufValueParser::new().try_map(|path| files::typed(&path))
-}
-
-/// A budget of processor time.
-fn seconds(word: &str) -> Result<f64, String> {
-    match word.parse::<f64>() {
-        Ok(seconds) if seconds > 0.0 && seconds <= SECONDS_MAX => Ok(seconds),
-        _ => Err(format!(
-            "allowed is a number above 0, at most {SECONDS_MAX} (eleven days)"
-        )),
-    }
 }
 
 /// Runs the program and returns its exit code: 0 done, 2 bad input or a file not written, 3 not
@@ -338,8 +147,8 @@ fn perform(command: &Command) -> Result<u8, Failure> {
         Command::Sweep(arguments) => sweep::sweep(arguments),
         Command::Ground(arguments) => pages::ground(arguments),
         Command::Chart(arguments) => pages::chart(arguments),
-        Command::Figure(arguments) => figure::figure(arguments),
-        Command::Table(arguments) => figure::table(arguments),
+        Command::Figure(arguments) => catalogue::figure(arguments),
+        Command::Table(arguments) => catalogue::table(arguments),
         Command::Presets => catalogue::presets(),
         Command::Lessons(arguments) => catalogue::lessons(arguments),
         Command::Scene(arguments) => catalogue::scene(arguments),
@@ -519,6 +328,132 @@ fn warn(text: impl std::fmt::Display) {
     tell(&format!("tackscope: {text}"));
 }
 
+/// Resolution of the bar.
+const TICKS: u64 = 1000;
+
+/// Listens to a walk and tells the user.
+enum Monitor {
+    /// `--quiet`.
+    Silent,
+    /// A terminal.
+    Bar(ProgressBar),
+    /// A file or a pipe: a line per jump and every tenth of the way.
+    Lines {
+        /// Tenths already told.
+        tenths: u64,
+    },
+}
+
+impl Monitor {
+    /// The fitting monitor, which at once says what begins.
+    fn new(quiet: bool, heading: &str) -> Self {
+        if quiet {
+            return Monitor::Silent;
+        }
+        if !std::io::stderr().is_terminal() {
+            tell(heading);
+            return Monitor::Lines { tenths: 0 };
+        }
+        let bar =
+            ProgressBar::with_draw_target(Some(TICKS), ProgressDrawTarget::stderr_with_hz(15));
+        let style =
+            ProgressStyle::with_template("{bar:32} {percent:>3} %  {elapsed}, {eta} left  {msg}");
+        bar.set_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()));
+        bar.println(line(heading));
+        Monitor::Bar(bar)
+    }
+
+    /// Tells one piece of news, u0 to a hundredth of the drive's `step`.
+    fn tell(&mut self, news: &Report<'_>, step: f64) {
+        match news {
+            Report::Jump(jump) => self.note(&jump_words(jump, step)),
+            Report::State {
+                record, fraction, ..
+            } => self.reached(*fraction, || state_words(record, step), String::new),
+        }
+    }
+
+    /// Moves the bar, with `words` beside it; in lines says them and what is `left` every tenth of
+    /// the way.
+    fn reached(&mut self, fraction: f64, words: impl Fn() -> String, left: impl Fn() -> String) {
+        match self {
+            Monitor::Silent => {}
+            Monitor::Bar(_) => {
+                self.fraction(fraction);
+                self.now(&words());
+            }
+            Monitor::Lines { tenths } => {
+                let reached = (fraction.clamp(0.0, 1.0) * 10.0 + 1e-9) as u64;
+                if reached > *tenths {
+                    *tenths = reached;
+                    tell(&format!("{:>3} %  {}{}", 10 * reached, words(), left()));
+                }
+            }
+        }
+    }
+
+    /// Says what is being done, where there is a bar.
+    fn now(&self, words: &str) {
+        if let Monitor::Bar(bar) = self {
+            bar.set_message(line(words));
+        }
+    }
+
+    /// Moves the bar, where there is one.
+    fn fraction(&self, fraction: f64) {
+        if let Monitor::Bar(bar) = self {
+            bar.set_position((fraction.clamp(0.0, 1.0) * TICKS as f64) as u64);
+        }
+    }
+
+    /// Tells how many loops of so many are done after so many `seconds`, and which share of the work
+    /// that is expected to be.
+    fn loops(&mut self, [done, of]: [usize; 2], fraction: f64, seconds: f64) {
+        let left = || {
+            let left = (seconds * (1.0 / fraction - 1.0)).max(0.0);
+            format!(", {} left", HumanDuration(Duration::from_secs_f64(left)))
+        };
+        self.reached(fraction, || format!("{done} of {of} loops"), left);
+    }
+
+    /// Says something that stays.
+    fn note(&self, words: &str) {
+        match self {
+            Monitor::Silent => {}
+            Monitor::Bar(bar) => bar.println(line(words)),
+            Monitor::Lines { .. } => tell(words),
+        }
+    }
+
+    /// Takes the bar away.
+    fn finish(&self) {
+        if let Monitor::Bar(bar) = self {
+            bar.finish_and_clear();
+        }
+    }
+}
+
+fn state_words(state: &StateRecord, step: f64) -> String {
+    format!(
+        "{} at u0 = {}: {}",
+        state.direction,
+        digits(state.mean_displacement, 0.01 * step),
+        state.pattern
+    )
+}
+
+fn jump_words(jump: &JumpRecord, step: f64) -> String {
+    format!(
+        "jump   {} at u0 = {}: {} to {}, released {} gamma ({})",
+        jump.direction,
+        digits(jump.mean_displacement, 0.01 * step),
+        jump.from,
+        jump.to,
+        fixed(jump.released_energy, 4),
+        jump.cause_words()
+    )
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -527,16 +462,5 @@ mod tests {
     #[test]
     fn the_command_line_is_consistent() {
         CommandLine::command().debug_assert();
-    }
-
-    #[test]
-    fn a_budget_is_a_finite_number_above_zero() {
-        for word in ["nan", "-5", "0", "inf", "1e7", "", "3 s"] {
-            assert!(seconds(word).is_err(), "{word}");
-        }
-        assert_eq!(
-            ["1e-9", "180", "1e6"].map(|word| seconds(word).unwrap()),
-            [1e-9, 180.0, 1e6]
-        );
     }
 }

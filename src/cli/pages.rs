@@ -3,23 +3,21 @@
 //! lies as one parameter goes; every method on the same loop, speed against accuracy; the ground
 //! before anything runs.
 
-use super::progress::Monitor;
 use super::{
-    ChartArguments, DONE, DiagramArguments, GroundArguments, NOT_CONVERGED, Output,
-    cancel_on_signal, failures, interrupted, scene_with_points, warn,
+    DONE, Monitor, NOT_CONVERGED, Output, cancel_on_signal, failures, interrupted,
+    scene_with_points, warn,
 };
 use crate::physics::grid::Grid;
 use crate::physics::indenter::{Indenter, Measured};
 use crate::physics::parameter::{Own, Refusal};
-use crate::plot::ticks::digits;
-use crate::plot::{chart_panel, diagram_panel, ground_panel, study_panel};
+use crate::plot::scale::digits;
+use crate::plot::{chart_panel, diagram_panel, study_panel};
 use crate::scene::window;
 use crate::storage::export::{
-    write_barriers_csv, write_branches_csv, write_chart_csv, write_ground_json, write_heights_csv,
-    write_map_csv, write_points_csv, write_spectrum_csv,
+    write_barriers_csv, write_branches_csv, write_chart_csv, write_chart_json, write_ground_json,
+    write_heights_csv, write_map_csv, write_points_csv, write_spectrum_csv,
 };
 use crate::storage::fields::write_diagram_fields;
-use crate::storage::summary::write_chart_json;
 use crate::storage::{Failure, Opened, drawing, files, open, presets, scene_file};
 use crate::study::chart::{Chart, Effort, News, Verdict, run};
 use crate::study::ground::GroundReport;
@@ -28,6 +26,24 @@ use crate::study::map::{PatternMap, Row, Vary};
 use crate::study::plan;
 use clap::Args;
 use std::path::Path;
+
+/// What `tackscope diagram` is told.
+#[derive(Args, Clone, Debug)]
+pub(super) struct DiagramArguments {
+    /// A built-in scene (see `tackscope presets`), a scene file, or - for standard input
+    scene: String,
+    #[command(flatten)]
+    output: Output,
+    /// Points a side in place of the scene's (a line cell stays a line)
+    #[arg(long, value_name = "N")]
+    points: Option<usize>,
+    /// Also writes barriers.csv: every saddle at N places of the drive, and what it separates
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
+    barriers: Option<u16>,
+    /// Also writes fields.npz: gap, displacement and traction of every point, for numpy
+    #[arg(long)]
+    fields: bool,
+}
 
 /// What is written of a diagram.
 const DIAGRAM: [&str; 4] = ["branches.csv", "points.csv", "diagram.svg", "diagram.png"];
@@ -199,6 +215,40 @@ pub(super) fn map(arguments: &MapArguments) -> Result<u8, Failure> {
     )
 }
 
+/// Longest time that a chart may be given.
+const SECONDS_MAX: f64 = 1e6;
+
+/// What `tackscope chart` is told.
+#[derive(Args, Clone, Debug)]
+pub(super) struct ChartArguments {
+    /// A built-in scene (see `tackscope presets`), a scene file, or - for standard input
+    scene: String,
+    #[command(flatten)]
+    output: Output,
+    /// Only coarse meshes and long steps: seconds in place of minutes
+    #[arg(long)]
+    quick: bool,
+    /// Processor time to spend, in seconds; what does not fit is skipped, and said to be
+    #[arg(
+        long,
+        value_name = "S",
+        default_value_t = 180.0,
+        conflicts_with = "quick"
+    )]
+    #[arg(value_parser = seconds, allow_negative_numbers = true)]
+    seconds: f64,
+}
+
+/// A budget of processor time.
+fn seconds(word: &str) -> Result<f64, String> {
+    match word.parse::<f64>() {
+        Ok(seconds) if seconds > 0.0 && seconds <= SECONDS_MAX => Ok(seconds),
+        _ => Err(format!(
+            "allowed is a number above 0, at most {SECONDS_MAX} (eleven days)"
+        )),
+    }
+}
+
 /// What is written of a chart, the file that says that all is there last.
 const CHART: [&str; 4] = ["chart.csv", "chart.svg", "chart.png", "chart.json"];
 /// Room that its files need, in bytes.
@@ -299,6 +349,20 @@ fn closing_words(chart: &Chart) -> String {
     words.join(" ")
 }
 
+/// What `tackscope ground` is told.
+#[derive(Args, Clone, Debug)]
+pub(super) struct GroundArguments {
+    /// A built-in scene (see `tackscope presets`), a scene file, a height file, or - for a scene from
+    /// standard input
+    #[arg(value_name = "SCENE|FILE")]
+    scene: String,
+    #[command(flatten)]
+    output: Output,
+    /// Points a side in place of the scene's, or of a height file's
+    #[arg(long, value_name = "N")]
+    points: Option<usize>,
+}
+
 /// What is written of the ground.
 const GROUND: [&str; 5] = [
     "ground.json",
@@ -320,7 +384,7 @@ pub(super) fn ground(arguments: &GroundArguments) -> Result<u8, Failure> {
     let output = &arguments.output;
     let folder = output.claim(&[], GROUND_ROOM, |name| GROUND.contains(&name))?;
     let [json, spectrum, heights, picture, _] = GROUND.map(|name| folder.join(name));
-    let page = ground_panel::page(&report, &title);
+    let page = diagram_panel::ground_page(&report, &title);
     let tables = [
         write_ground_json(&json, &report),
         write_spectrum_csv(&spectrum, &report),
@@ -375,4 +439,20 @@ fn own_points(measured: &Measured) -> usize {
     let worked = measured.worked().as_ref();
     let periodic = worked.map(|worked| worked.levelled.periodic(measured.periodic()).dim());
     periodic.map_or(0, |(ny, nx)| nx.max(ny).next_multiple_of(2))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_budget_is_a_finite_number_above_zero() {
+        for word in ["nan", "-5", "0", "inf", "1e7", "", "3 s"] {
+            assert!(seconds(word).is_err(), "{word}");
+        }
+        assert_eq!(
+            ["1e-9", "180", "1e6"].map(|word| seconds(word).unwrap()),
+            [1e-9, 180.0, 1e6]
+        );
+    }
 }

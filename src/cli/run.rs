@@ -1,29 +1,110 @@
-//! `tackscope run`: a closed loop without a window.
+//! `tackscope run`: a closed loop without a window, and its files: tables, pictures, `summary.json`.
 
-use super::progress::Monitor;
-use super::report::{self, Timed};
 use super::{
-    DONE, INTERRUPTED, NOT_CONVERGED, RunArguments, cancel_on_signal, scene_with_points, warn,
+    DONE, INTERRUPTED, Monitor, NOT_CONVERGED, Output, cancel_on_signal, failures,
+    scene_with_points, warn,
 };
 use crate::follow::record::StateRecord;
-use crate::follow::run::{LoopRun, Outcome, Report};
+use crate::follow::run::{Landing, LoopRun, Outcome, Report};
 use crate::follow::walk::soft_mode;
 use crate::numerics::cancel::Cancel;
+use crate::numerics::threads::side_by_side;
 use crate::physics::parameter::{Dimension, Refusal};
+use crate::physics::pattern::Pattern;
+use crate::plot::loop_panel;
+use crate::plot::style::Colours;
 use crate::scene::parameter;
 use crate::scene::part::Strategy;
 use crate::scene::units::say;
-use crate::scene::{Model, Scene};
+use crate::scene::{Model, Scene, Turn};
 use crate::solver::methods::MethodKind;
-use crate::storage::fields::Collector;
-use crate::storage::summary::{Number, Summary, write_summary};
-use crate::storage::{Failure, scene_file};
+use crate::storage::fields::{Collector, Keep};
+use crate::storage::files::Folder;
+use crate::storage::summary::{Number, Summary, Timed, Yardstick, write_summary};
+use crate::storage::{Failure, drawing, export, files, picture, scene_file};
 use crate::study::plan::{
-    Plan, measured_error, plan as plan_of, promise, reference, refusal, run_planned,
+    Plan, measured_error, plan as plan_of, promise, reference, refusal, run_planned, stated_error,
 };
+use clap::builder::PossibleValue;
+use clap::{Args, ValueEnum};
 use cpu_time::ProcessTime;
 use ndarray::Array2;
+use std::sync::{Arc, Mutex};
 use std::time::Instant;
+
+/// What `tackscope run` is told.
+#[derive(Args, Clone, Debug)]
+pub(super) struct RunArguments {
+    /// A built-in scene (see `tackscope presets`), a scene file, or - for standard input
+    scene: String,
+    #[command(flatten)]
+    output: Output,
+    /// Which method follows the branches
+    #[arg(long, value_enum, default_value_t = MethodKind::NewtonKrylov)]
+    method: MethodKind,
+    /// How the loop is computed, in place of the plan's choice
+    #[arg(long, value_enum, default_value_t = Asked(None))]
+    model: Asked,
+    /// Seed in place of the scene's: it chooses between equivalent patterns
+    #[arg(long, value_name = "N")]
+    #[arg(value_parser = clap::value_parser!(u64).range(..=i64::MAX as u64))]
+    seed: Option<u64>,
+    /// Points a side in place of the scene's (a line cell stays a line)
+    #[arg(long, value_name = "N")]
+    points: Option<usize>,
+    /// Largest step of u0 in place of the scene's
+    #[arg(long, value_name = "S", allow_negative_numbers = true)]
+    step: Option<f64>,
+    /// Afterwards run the paper's method on the same loop and write the ratio of processor time
+    /// into summary.json
+    #[arg(long)]
+    yardstick: bool,
+    /// Afterwards walk the same loop on the next finer mesh of the whole cell and write the
+    /// measured error into summary.json
+    #[arg(long)]
+    verify: bool,
+    /// Also write the fields of so many states into fields.npz, which numpy reads: gap,
+    /// displacement, traction
+    #[arg(long, value_name = "all|jumps|every=N")]
+    fields: Option<Keep>,
+}
+
+/// The strategy that is asked for; `None` leaves it to the plan.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+struct Asked(Option<Strategy>);
+
+impl ValueEnum for Asked {
+    fn value_variants<'a>() -> &'a [Self] {
+        &[
+            Asked(None),
+            Asked(Some(Strategy::Atlas)),
+            Asked(Some(Strategy::QUARTER)),
+            Asked(Some(Strategy::WHOLE)),
+        ]
+    }
+
+    fn to_possible_value(&self) -> Option<PossibleValue> {
+        let help = match self.0 {
+            None => "the cheapest model that is good enough",
+            Some(Strategy::Atlas) => "branches of flat, ridge and square patterns",
+            Some(Strategy::Walk(part)) if part.is_even() => {
+                "the walk on the even quarter of the cell"
+            }
+            Some(Strategy::Walk(_)) => "the walk on the whole cell",
+        };
+        Some(PossibleValue::new(self.0.map_or("plan", Strategy::word)).help(help))
+    }
+}
+
+impl ValueEnum for MethodKind {
+    fn value_variants<'a>() -> &'a [Self] {
+        &MethodKind::ALL
+    }
+
+    fn to_possible_value(&self) -> Option<PossibleValue> {
+        Some(PossibleValue::new(self.word()).help(self.title()))
+    }
+}
 
 /// Computes the loop, writes its files and returns the exit code.
 ///
@@ -56,13 +137,13 @@ pub(super) fn run(arguments: &RunArguments) -> Result<u8, Failure> {
 
     let cancel = cancel_on_signal();
     let output = &arguments.output;
-    let room = report::room(&scene, &model);
-    let folder = output.claim(&[report::GAPS], room, report::is_result)?;
-    let summary_path = folder.join(report::SUMMARY);
+    let room = room(&scene, &model);
+    let folder = output.claim(&[GAPS], room, is_result)?;
+    let summary_path = folder.join(SUMMARY);
     let method = arguments.method.word();
     write_summary(
         &summary_path,
-        &report::begun(&arguments.scene, &scene, &model, &plan, method),
+        &Summary::begun(&arguments.scene, &scene, &model, &plan, method),
     )?;
 
     let mut fields = arguments
@@ -79,9 +160,9 @@ pub(super) fn run(arguments: &RunArguments) -> Result<u8, Failure> {
         &mut collect,
     )
     .map_err(refused)?;
-    let mut files = report::results(&folder, &scene, &model, &plan, &main.run);
+    let mut files = results(&folder, &scene, &model, &plan, &main.run);
     if let Some(fields) = fields {
-        let (path, of, cancel) = (folder.join(report::FIELDS), (&scene, &model), &cancel);
+        let (path, of, cancel) = (folder.join(FIELDS), (&scene, &model), &cancel);
         let driven = scene.control();
         let write = move || {
             let mut mode = |record: &StateRecord, displacement: &Array2<f64>| {
@@ -91,8 +172,8 @@ pub(super) fn run(arguments: &RunArguments) -> Result<u8, Failure> {
         };
         files.insert(0, Box::new(write));
     }
-    let mut failures = report::written(files);
-    let mut told = report::summary(&arguments.scene, &scene, &model, &plan, method, &main);
+    let mut failures = written(files);
+    let mut told = Summary::of(&arguments.scene, &scene, &model, &plan, method, &main);
     failures.extend(write_summary(&summary_path, &told).err());
     let mut code = exit_code(&main.run.outcome);
     if main.run.outcome == Outcome::Completed && (arguments.yardstick || arguments.verify) {
@@ -157,7 +238,7 @@ fn compare(
             cancel,
             &mut |_| {},
         )?;
-        told.yardstick = Some(report::yardstick(model, main, &other));
+        told.yardstick = Some(Yardstick::of(model, main, &other));
         if other.run.outcome == Outcome::Cancelled {
             code = INTERRUPTED;
             warn("interrupted before the yardstick was done; the loop itself is complete");
@@ -320,6 +401,118 @@ fn in_si(told: &Summary) -> String {
         .collect()
 }
 
+/// The folder of the gap pictures.
+const GAPS: &str = "gaps";
+
+/// The file that says how it went.
+const SUMMARY: &str = "summary.json";
+
+/// The file of the fields.
+const FIELDS: &str = "fields.npz";
+
+/// What is written beside it.
+const FILES: [&str; 4] = ["loop.csv", "events.csv", "loop.svg", "loop.png"];
+
+/// True for a file (as in `gaps/1-approach-bulge.png`) that a run writes.
+fn is_result(name: &str) -> bool {
+    let gap = name
+        .strip_prefix(GAPS)
+        .and_then(|name| name.strip_prefix('/'));
+    [SUMMARY, FIELDS].contains(&name) || FILES.contains(&name) || gap.is_some_and(is_gap_picture)
+}
+
+/// Room that the results may need, in bytes.
+fn room(scene: &Scene, model: &Model) -> u64 {
+    /// A state in the table and in the pictures; what does not grow; a point in all gap pictures.
+    const SIZES: [f64; 3] = [300.0, 1e6, 4.0];
+    /// More states than this are not reckoned with.
+    const STATES_MAX: f64 = 1e6;
+    let drive = &scene.drive;
+    let turn = if let Turn::At(turn) = drive.turn {
+        turn
+    } else {
+        drive.start - scene.cell.length
+    };
+    let states = (2.0 * (drive.start - turn) / drive.step).clamp(0.0, STATES_MAX);
+    let points = (model.grid.nx * model.grid.ny) as f64;
+    (SIZES[0] * states + SIZES[1] + SIZES[2] * points) as u64
+}
+
+/// A file to be written.
+type Unwritten<'a> = Box<dyn FnOnce() -> Result<(), Failure> + Send + 'a>;
+
+/// Writes files side by side: some wait for the disk while others are computed. Returns what could
+/// not be written.
+fn written(files: Vec<Unwritten<'_>>) -> Vec<Failure> {
+    let files: Vec<_> = files
+        .into_iter()
+        .map(|file| Mutex::new(Some(file)))
+        .collect();
+    failures(side_by_side(0..files.len(), |i| {
+        let write = files[i].lock().ok().and_then(|mut file| file.take());
+        write.map_or(Ok(()), |write| write())
+    }))
+}
+
+/// The tables and pictures of a walk, to be written, the dearest first.
+fn results<'a>(
+    folder: &'a Folder,
+    scene: &'a Scene,
+    model: &Model,
+    plan: &Plan,
+    run: &'a LoopRun,
+) -> Vec<Unwritten<'a>> {
+    let error = stated_error(model, plan, run);
+    let page = Arc::new(loop_panel::page(&run.record, model, &scene.title, error));
+    let [states, jumps, svg, png] = FILES.map(|name| folder.join(name));
+    let drawn = Arc::clone(&page);
+    let mut files: Vec<Unwritten<'a>> = vec![
+        Box::new(move || {
+            let image = drawing::page_image(&page);
+            let image = image.map_err(|error| Failure::write(&png, error))?;
+            picture::write_with_scene(&png, &image, scene)
+        }),
+        Box::new(move || files::write_whole(&svg, drawing::page_svg(&drawn).as_bytes())),
+        Box::new(move || export::write_loop_csv(&states, scene, &run.record.states)),
+        Box::new(move || export::write_events_csv(&jumps, scene, &run.record.jumps)),
+    ];
+    let scale = picture::common_scale(run.landings.iter().map(|landing| &landing.gap));
+    for (i, landing) in run.landings.iter().enumerate() {
+        let path = folder.join(GAPS).join(gap_picture(i, landing));
+        files.push(Box::new(move || {
+            picture::write_with_scene(
+                &path,
+                &picture::gap_image(&landing.gap, scale, Colours::default()),
+                scene,
+            )
+        }));
+    }
+    files
+}
+
+/// `1-approach-bulge.png` for the first landing, and so on.
+fn gap_picture(index: usize, landing: &Landing) -> String {
+    format!(
+        "{}-{}-{}.png",
+        index + 1,
+        landing.direction,
+        landing.pattern
+    )
+}
+
+/// True for a name that [`gap_picture`] can give.
+fn is_gap_picture(name: &str) -> bool {
+    let parts: Vec<_> = name
+        .strip_suffix(".png")
+        .unwrap_or_default()
+        .split('-')
+        .collect();
+    let [number, "approach" | "retraction", pattern] = parts[..] else {
+        return false;
+    };
+    number.parse::<usize>().is_ok() && Pattern::ALL.iter().any(|p| p.word() == pattern)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -334,6 +527,16 @@ mod tests {
         assert_eq!(
             [Outcome::Completed, stuck, Outcome::Cancelled].map(|outcome| exit_code(&outcome)),
             [0, 3, 130]
+        );
+    }
+
+    #[test]
+    fn only_our_own_gap_pictures_are_recognised() {
+        assert!(is_gap_picture("1-approach-bulge.png") && is_gap_picture("12-retraction-flat.png"));
+        assert!(
+            !is_gap_picture("holiday.png")
+                && !is_gap_picture("1-approach-cat.png")
+                && !is_gap_picture("x-approach-flat.png")
         );
     }
 }

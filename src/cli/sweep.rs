@@ -1,15 +1,14 @@
 //! `tackscope sweep`: the loops of a study, resumed, shared among the jobs of an array and collected.
 
-use super::progress::Monitor;
 use super::{
-    DONE, INTERRUPTED, NOT_CONVERGED, Output, cancel_on_signal, failures, scene_with_points, tell,
-    warn,
+    DONE, INTERRUPTED, Monitor, NOT_CONVERGED, Output, cancel_on_signal, failures,
+    scene_with_points, tell, warn,
 };
 use crate::numerics::cancel::Cancel;
 use crate::plot::study_panel::sweep_page;
 use crate::storage::export::write_convergence_csv;
-use crate::storage::folder::Folder;
-use crate::storage::journal::{self, Journal, Known, TABLE};
+use crate::storage::files::Folder;
+use crate::storage::study_file::{Journal, Known, TABLE};
 use crate::storage::{Failure, drawing, files, scene_file, study_file};
 use crate::study::converge::{convergences, ladder};
 use crate::study::sweep::{Point, Row, Study};
@@ -95,17 +94,17 @@ pub(super) fn sweep(arguments: &SweepArguments) -> Result<u8, Failure> {
     let points = study.points();
     let hashes: Vec<_> = points
         .iter()
-        .map(|point| journal::hash(&study, point))
+        .map(|point| study_file::hash(&study, point))
         .collect();
     let (output, cancel) = (&arguments.output, cancel_on_signal());
     let place = match arguments.shard {
-        Some(Shard { index, count }) => journal::shard_folder(&output.out, index, count),
+        Some(Shard { index, count }) => study_file::shard_folder(&output.out, index, count),
         None => output.out.clone(),
     };
     let room = ROOM[0] * points.len() as u64 + ROOM[1];
     let folder = Folder::claim(&place, &[], room)?;
     let table = folder.join(TABLE);
-    let own = journal::read(&table, &study)?;
+    let own = study_file::read_table(&table, &study)?;
     let mut sweep = Sweep {
         arguments,
         study,
@@ -154,8 +153,10 @@ impl Sweep<'_> {
     /// Takes in every table of the folder.
     fn gather(&mut self, own: &Known) -> Result<(), Failure> {
         let known: HashSet<&String> = self.hashes.iter().collect();
-        let tables: Vec<PathBuf> = journal::tables(&self.arguments.output.out);
-        let others = tables.iter().map(|table| journal::read(table, &self.study));
+        let tables: Vec<PathBuf> = study_file::tables(&self.arguments.output.out);
+        let others = tables
+            .iter()
+            .map(|table| study_file::read_table(table, &self.study));
         let others: Vec<Known> = others.collect::<Result<_, _>>()?;
         for (hash, row) in others.iter().chain([own]).flat_map(|table| &table.rows) {
             if known.contains(hash) {
@@ -254,7 +255,7 @@ impl Sweep<'_> {
         let listed = rows
             .iter()
             .map(|row| (self.hashes[row.index].as_str(), row));
-        let table = journal::write(&folder.join(TABLE), &self.study, listed);
+        let table = study_file::write_table(&folder.join(TABLE), &self.study, listed);
         let written = std::iter::once(table).chain(self.pictures(folder, &rows));
         let unwritten = failures(written);
         let missing: Vec<usize> = about.into_iter().filter(|i| !self.is_known(*i)).collect();

@@ -1,8 +1,8 @@
 //! Fig. 12: force against displacement of a Hertzian tip.
 
 use super::figure::{Entry, Figure, Finding, Stopped, Task};
-use super::tips::{self, TIP, Tip, TipDrive};
-use super::{figure_13, scenes};
+use super::figure_13;
+use super::scenes::{self, TIP, Tip, TipDrive};
 use crate::physics::theory::jkr::Contact;
 use crate::physics::theory::tabor_of_mesh;
 use crate::plot::panel::{Axis, Colour, Panel, Role, Series};
@@ -24,7 +24,7 @@ pub(super) const UNDER_LOAD: Entry = Entry {
     look_for: "Two jumps at a constant force: into contact at hardly any load, and off where the \
         driven loop has its largest tension. Between the two ends of the load's branch the driven \
         tip still holds on.",
-    scene: || tips::by_load(scenes::tip(128, 0.5)),
+    scene: || scenes::by_load(scenes::tip(128, 0.5)),
     compute: |task| driven(&UNDER_LOAD, task, TipDrive::Load),
     ..ENTRY
 };
@@ -47,7 +47,7 @@ const COLOURS: [Colour; 5] = [
 fn driven(entry: &Entry, task: &mut Task<'_>, drive: TipDrive) -> Result<Figure, Stopped> {
     let all = figure_13::list(task).into_iter();
     let list: Vec<_> = all.filter(|(mu, _)| MU_RHO.contains(mu)).collect();
-    let tips = tips::run_all(&tips::orders(&list, drive), task)?;
+    let tips = scenes::run_all(&scenes::orders(&list, drive), task)?;
     let panels = MU_RHO.iter().zip("abcd".chars()).map(|(mu, letter)| {
         let loops: Vec<&Tip> = tips.iter().filter(|tip| tip.mu_rho == *mu).collect();
         panel(&format!("({letter}) mu_rho = {mu}"), &loops, drive)
@@ -130,7 +130,7 @@ fn theory(drive: TipDrive) -> (Vec<[f64; 2]>, Vec<[f64; 2]>) {
         ];
         away.into_iter().chain(branch).collect::<Vec<_>>()
     };
-    let periodic = tips::periodic();
+    let periodic = scenes::periodic();
     let drawn = |state: Contact| [state.mean_displacement, -state.force / pull];
     let ends = if by_load {
         [

@@ -1,8 +1,7 @@
 //! Fig. 13: pull-off force and dissipated energy of a Hertzian tip against the mesh.
 
 use super::figure::{Entry, Figure, Finding, Stopped, Task};
-use super::scenes;
-use super::tips::{self, Order, TIP, Tip, TipDrive};
+use super::scenes::{self, Order, TIP, Tip, TipDrive};
 use crate::plot::panel::{Axis, Colour, Panel, Role, Series, Symbol};
 use crate::scene::part::Part;
 
@@ -21,7 +20,7 @@ pub(super) const UNDER_LOAD: Entry = Entry {
     title: "A Hertzian tip under a load: how fast the pull-off force converges",
     look_for: "A load pulls the tip off where the loop driven by displacement has its largest \
         tension. On every mesh the two forces are one.",
-    scene: || tips::by_load(scenes::tip(64, 0.7)),
+    scene: || scenes::by_load(scenes::tip(64, 0.7)),
     compute: under_load,
     ..ENTRY
 };
@@ -54,14 +53,14 @@ const VARIED: usize = 64;
 const IMAGES: &str = "periodic JKR, in closed form";
 
 fn compute(task: &mut Task<'_>) -> Result<Figure, Stopped> {
-    let orders = tips::orders(&list(task), TipDrive::ToZeroLoad);
+    let orders = scenes::orders(&list(task), TipDrive::ToZeroLoad);
     let varied: &[f64] = task.choose(&[], &[0.5, 1.0, 1.5, 2.0]);
     let others = varied.iter().flat_map(|mu| otherwise(*mu));
     let all: Vec<Order> = orders.iter().copied().chain(others).collect();
-    let mut live = tips::run_all(&all, task)?;
+    let mut live = scenes::run_all(&all, task)?;
     let others = live.split_off(orders.len());
     // Live where there is time for it, and kept elsewhere.
-    let tips: Vec<Tip> = tips::kept()
+    let tips: Vec<Tip> = scenes::kept()
         .into_iter()
         .map(|kept| {
             live.iter()
@@ -70,7 +69,7 @@ fn compute(task: &mut Task<'_>) -> Result<Figure, Stopped> {
                 .unwrap_or(kept)
         })
         .collect();
-    let periodic = tips::periodic();
+    let periodic = scenes::periodic();
     let references = [
         periodic.pull_off().force / TIP.pull_off_force(),
         periodic.dissipation() / TIP.dissipation(),
@@ -114,8 +113,8 @@ fn compute(task: &mut Task<'_>) -> Result<Figure, Stopped> {
 
 /// The pull-off force alone: under a load the loss depends on how far the body is let fly.
 fn under_load(task: &mut Task<'_>) -> Result<Figure, Stopped> {
-    let tips = tips::run_all(&tips::orders(&list(task), TipDrive::Load), task)?;
-    let reference = tips::periodic().pull_off().force / TIP.pull_off_force();
+    let tips = scenes::run_all(&scenes::orders(&list(task), TipDrive::Load), task)?;
+    let reference = scenes::periodic().pull_off().force / TIP.pull_off_force();
     let panels = vec![panel(
         "pull-off force under a load",
         "F_pull/F_{pull,JKR}",
@@ -137,7 +136,7 @@ fn under_load(task: &mut Task<'_>) -> Result<Figure, Stopped> {
 /// Pull-off under a load against the largest tension of the loops driven by displacement, which
 /// know it up to their increments.
 pub(super) fn pull_offs(tips: &[Tip]) -> Vec<Finding> {
-    let kept = tips::kept();
+    let kept = scenes::kept();
     let driven = |tip: &Tip| kept.iter().find(|kept| same(tip, kept)).cloned();
     let finding = |tip: &Tip| {
         let what = format!(
@@ -179,7 +178,7 @@ fn same(a: &Tip, b: &Tip) -> bool {
 
 /// Largest deviation of the loss of a loop computed now from the one kept.
 fn deviation(live: &[Tip]) -> f64 {
-    tips::kept()
+    scenes::kept()
         .iter()
         .flat_map(|kept| {
             live.iter()

@@ -25,8 +25,8 @@ mod figures_02_03;
 pub mod measured_law;
 pub mod overlay;
 pub mod scenes;
-mod table_1;
-pub mod tips;
+
+pub use scenes as tips;
 
 pub use figure::{Entry, Figure, Size, Stopped, Table, TableEntry, Task};
 
@@ -67,4 +67,4 @@ pub fn longest_first(gallery: &'static [Entry]) -> Vec<&'static Entry> {
 }
 
 /// The tables.
-pub const TABLES: &[TableEntry] = &[table_1::ENTRY];
+pub const TABLES: &[TableEntry] = &[figure::MESH_NUMBERS];

@@ -2,7 +2,7 @@
 //! both logarithmic.
 
 use super::panel::{Axis, Colour, Label, Page, Panel, Role, Series, Symbol, letter};
-use super::ticks::digits;
+use super::scale::digits;
 use crate::scene::part::Strategy;
 use crate::solver::methods::MethodKind;
 use crate::study::chart::{Chart, Judged, Point, Saved, Verdict, front, saved};

@@ -14,9 +14,8 @@ use crate::physics::pattern::Pattern;
 use crate::physics::theory::{flat, ridge};
 use crate::scene::units::Units;
 use crate::scene::{Model, Scene, parameter};
-use crate::study::axis::{Spacing, Span};
 use crate::study::map::{self, Found, PatternMap};
-use crate::study::sweep::{Row, Study};
+use crate::study::sweep::{Row, Spacing, Span, Study};
 
 /// From this ratio of its ends on an axis is logarithmic where nothing else decides.
 const DECADES: f64 = 30.0;

@@ -8,8 +8,9 @@
 mod studies;
 
 pub use studies::{
-    BARRIER_COLUMNS, MAP_COLUMNS, write_barriers_csv, write_branches_csv, write_convergence_csv,
-    write_ground_json, write_heights_csv, write_map_csv, write_points_csv, write_spectrum_csv,
+    BARRIER_COLUMNS, MAP_COLUMNS, write_barriers_csv, write_branches_csv, write_chart_json,
+    write_convergence_csv, write_ground_json, write_heights_csv, write_map_csv, write_points_csv,
+    write_spectrum_csv,
 };
 
 use super::{Failure, files};

@@ -1,11 +1,11 @@
 //! Floor 7: the only room that touches the file system.
 //!
-//! Scene files are read and written ([`scene_file`], [`presets`]), sessions of the window too
-//! ([`session`]), height files read ([`heights`]),
-//! results exported ([`export`], [`fields`], [`summary`], [`picture`], [`drawing`], [`report`]).
-//! Every file is written whole or not at all ([`files`]), and one folder holds one run ([`folder`]);
-//! everything that can go wrong is a [`Failure`], one sentence that names the file and says how to
-//! mend it. May use `paper` and all below it; computes nothing, opens no dialogs.
+//! Scene files and studies are read and written ([`scene_file`], [`presets`], [`study_file`]),
+//! sessions of the window too ([`session`]), height files read ([`heights`]), results exported
+//! ([`export`], [`fields`], [`summary`], [`picture`], [`drawing`]). Every file is written whole or
+//! not at all, and one folder holds one run ([`files`]); everything that can go wrong is a
+//! [`Failure`], one sentence that names the file and says how to mend it. May use `paper` and all
+//! below it; computes nothing, opens no dialogs.
 
 pub mod click;
 pub mod drawing;
@@ -14,14 +14,10 @@ mod failure;
 pub mod fields;
 pub mod files;
 pub mod film;
-pub mod folder;
 pub mod heights;
-pub mod journal;
 pub mod picture;
 pub mod presets;
-pub mod report;
 pub mod scene_file;
-mod section;
 pub mod session;
 pub mod study_file;
 pub mod summary;

@@ -3,7 +3,7 @@
 //! Read by hand over the parsed table, so that every refusal names the file, the key, its value and
 //! what is allowed.
 
-use super::section::{self, Section, finite};
+use super::failure::{self, Section, finite};
 use super::{Failure, files, heights};
 use crate::physics::body::Body;
 use crate::physics::control::Control;
@@ -227,7 +227,7 @@ fn seed_value(seed: u64) -> Value {
 /// Anything that is not an allowed scene: syntax, unknown or missing keys, wrong types, values out
 /// of range.
 pub fn parse(text: &str, file_name: &str) -> Result<Scene, Failure> {
-    let table = section::table(text, file_name)?;
+    let table = failure::table(text, file_name)?;
     let root = Section::root(file_name, &table);
     root.format_version(FORMAT, "a scene file")?;
     root.only(&[

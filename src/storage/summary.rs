@@ -1,9 +1,14 @@
-//! `summary.json`: what was computed, how well, and at what cost; `chart.json`: what the chart of
-//! speed against accuracy says in short.
+//! `summary.json`: what was computed, how well, and at what cost.
 
 use super::{Failure, VERSION, files, scene_file};
-use crate::scene::Scene;
-use crate::study::chart::{Chart, Judged, Verdict};
+use crate::follow::ledger::Ledger;
+use crate::follow::record::StateRecord;
+use crate::follow::run::{LoopRun, Outcome, RivalLoop, nan_max};
+use crate::physics::parameter::Dimension;
+use crate::scene::units::Units;
+use crate::scene::{Model, Points, Scene};
+use crate::solver::Stop;
+use crate::study::plan::{Plan, predicted_error, promise, reference, stated_error};
 use serde::{Serialize, Serializer};
 use std::path::Path;
 
@@ -271,121 +276,241 @@ pub(super) fn write_json(path: &Path, told: &impl Serialize) -> Result<(), Failu
     files::write_whole(path, text.as_bytes())
 }
 
-#[derive(Serialize)]
-struct Short<'a> {
-    tackscope: &'static str,
-    scene: SceneSummary,
-    completed: bool,
-    reference: Option<ReferenceShort>,
-    counts: Counts,
-    pareto_transforms: Vec<PointShort<'a>>,
-    pareto_processor_seconds: Vec<PointShort<'a>>,
-    plan: Vec<PointShort<'a>>,
-    paper_budget: Vec<PointShort<'a>>,
-    skipped: Vec<String>,
+/// A walk with what it took.
+pub struct Timed {
+    /// It.
+    pub run: LoopRun,
+    /// Time on the wall.
+    pub wall_seconds: f64,
+    /// Time of the processor, all threads.
+    pub processor_seconds: f64,
 }
 
-#[derive(Serialize)]
-struct ReferenceShort {
-    what: String,
-    dissipated_energy: Number,
-    loop_integral: Number,
-    jumps: usize,
-    error_dissipated_energy: Number,
-    error_jumps: Number,
-    error_stress: Number,
-    transforms: usize,
-    processor_seconds: Number,
-    outcome: String,
+impl Summary {
+    /// What stands in `summary.json` until all is computed and written, and so beside whatever a killed
+    /// run has left.
+    pub fn begun(
+        given: &str,
+        scene: &Scene,
+        model: &Model,
+        plan: &Plan,
+        method: &'static str,
+    ) -> Self {
+        let run = LoopRun {
+            outcome: Outcome::Cancelled,
+            ..LoopRun::empty()
+        };
+        let nothing = Timed {
+            run,
+            wall_seconds: f64::NAN,
+            processor_seconds: f64::NAN,
+        };
+        let mut summary = Self::of(given, scene, model, plan, method, &nothing);
+        summary.end.stop = "running";
+        summary.end.stop_reason =
+            Some("not finished: it is still running, or was killed".to_owned());
+        summary.loss.released_energy_sum = Number(f64::NAN);
+        summary
+    }
+
+    /// Everything for `summary.json` but the yardstick.
+    pub fn of(
+        given: &str,
+        scene: &Scene,
+        model: &Model,
+        plan: &Plan,
+        method: &'static str,
+        timed: &Timed,
+    ) -> Self {
+        let run = &timed.run;
+        let states = &run.record.states;
+        let ledger = run.ledger(model.law.surface_energy);
+        let of =
+            |number: fn(&Ledger) -> Option<f64>| Number::from(ledger.as_ref().and_then(number));
+        let largest = |value: fn(&StateRecord) -> f64| {
+            Number(states.iter().map(value).reduce(nan_max).unwrap_or(f64::NAN))
+        };
+        Self {
+            tackscope: VERSION,
+            scene: SceneSummary::new(given, scene),
+            plan: plan_summary(scene, model, plan, run.deviation.as_deref()),
+            predicted_error: Number(predicted_error(plan, run)),
+            measured_error: Number(f64::NAN),
+            method,
+            end: end(run, ledger.as_ref()),
+            loss: LossSummary {
+                dissipated_energy: of(Ledger::dissipated_energy),
+                stated_error: stated_error(model, plan, run).into(),
+                released_energy_sum: Number(run.record.released_energy_sum()),
+                released_energy_error: of(|ledger| Some(ledger.released_energy_error)),
+                loop_integral: of(|ledger| {
+                    Some(ledger.loop_integral).filter(|_| ledger.open.is_none())
+                }),
+                ledger_mismatch: of(Ledger::mismatch),
+            },
+            warnings: warnings(scene, model, run, ledger.as_ref()),
+            contested: run.rivals.iter().map(contested).collect(),
+            counts: counts(run),
+            stiffness_min_least: Number(-largest(|s| -s.stiffness_min).0),
+            stiffness_error_max: largest(|s| s.stiffness_error),
+            residual_max: largest(|s| s.residual),
+            wall_seconds: Number(timed.wall_seconds),
+            processor_seconds: Number(timed.processor_seconds),
+            yardstick: None,
+            units: scene
+                .units
+                .map(|units| in_si(&units, model, run, ledger.as_ref())),
+        }
+    }
 }
 
-#[derive(Serialize)]
-struct Counts {
-    points: usize,
-    done: usize,
-    failed: usize,
-    skipped: usize,
+/// What a loop is in SI.
+fn in_si(units: &Units, model: &Model, run: &LoopRun, ledger: Option<&Ledger>) -> UnitsSummary {
+    let word = |of| units.word(of);
+    let loss = ledger.and_then(Ledger::dissipated_energy);
+    let loss = loss.map(|loss| loss * model.law.surface_energy);
+    let pull = run.pull_off();
+    let si = |of, value: Option<f64>| Number::from(value.map(|value| value * units.si(of)));
+    let of_cell = |value: Option<f64>| model.of_cell(value?);
+    UnitsSummary {
+        length: word(Dimension::Length),
+        stress: word(Dimension::Stress),
+        energy: word(Dimension::SurfaceEnergy),
+        stiffness: word(Dimension::Stiffness),
+        contact_modulus: Number(units.contact_modulus),
+        temperature_kelvin: Number(units.temperature),
+        loss_joule_per_square_metre: si(Dimension::SurfaceEnergy, loss),
+        loss_joule: si(Dimension::Energy, of_cell(loss)),
+        pull_off_pascal: si(Dimension::Stress, pull),
+        pull_off_newton: si(Dimension::Force, of_cell(pull)),
+    }
 }
 
-#[derive(Serialize)]
-struct PointShort<'a> {
-    method: &'a str,
-    model: &'a str,
-    points: usize,
-    precision: &'a str,
-    step: Number,
-    error_dissipated_energy: Number,
-    transforms: usize,
-    processor_seconds: Number,
-    outcome: String,
+fn end(run: &LoopRun, ledger: Option<&Ledger>) -> EndSummary {
+    let open = ledger.and_then(|ledger| ledger.open.as_ref());
+    EndSummary {
+        completed: run.outcome == Outcome::Completed,
+        stop: run.outcome.word(),
+        stop_reason: run.stop_reason(),
+        closed: ledger.is_some_and(|ledger| ledger.open.is_none()),
+        open_reason: open.map(|open| open.reason.clone()),
+        open_remedy: open.map(|open| open.remedy.clone()),
+    }
 }
 
-/// Writes the chart's summary; `given` is the word on the command line.
-///
-/// # Errors
-/// A file that cannot be written.
-pub fn write_chart_json(
-    path: &Path,
-    given: &str,
-    scene: &Scene,
-    chart: &Chart,
-) -> Result<(), Failure> {
-    let of = |which: fn(&Judged) -> bool| {
-        chart
-            .rows
-            .iter()
-            .filter(|row| which(row))
-            .map(short)
-            .collect()
-    };
-    let count =
-        |which: fn(&Verdict) -> bool| chart.rows.iter().filter(|row| which(&row.verdict)).count();
-    let told = Short {
-        tackscope: VERSION,
-        scene: SceneSummary::new(given, scene),
-        completed: !chart.cancelled,
-        reference: chart.reference.as_ref().map(|reference| ReferenceShort {
-            what: reference.point().to_string(),
-            dissipated_energy: Number(reference.dissipated_energy),
-            loop_integral: Number(reference.integral),
-            jumps: reference.finest.record.tally().jumps,
-            error_dissipated_energy: Number(reference.errors.dissipated_energy),
-            error_jumps: Number(reference.errors.jumps),
-            error_stress: Number(reference.errors.stress),
-            transforms: reference.finest.counts.transforms,
-            processor_seconds: Number(reference.finest.processor_seconds),
-            outcome: reference.judged().verdict.to_string(),
-        }),
-        counts: Counts {
-            points: chart.rows.len(),
-            done: count(|verdict| *verdict == Verdict::Done),
-            failed: count(|verdict| matches!(verdict, Verdict::Failed { .. })),
-            skipped: chart.skipped.len(),
-        },
-        pareto_transforms: of(|row| row.pareto_transforms),
-        pareto_processor_seconds: of(|row| row.pareto_time),
-        plan: of(|row| row.plan),
-        paper_budget: of(|row| row.paper_budget),
-        skipped: chart
-            .skipped
-            .iter()
-            .map(|skipped| skipped.point.to_string())
-            .collect(),
-    };
-    write_json(path, &told)
+fn warnings(scene: &Scene, model: &Model, run: &LoopRun, ledger: Option<&Ledger>) -> Vec<String> {
+    let contested = run
+        .record
+        .jumps
+        .iter()
+        .filter(|jump| !jump.landings.is_empty())
+        .map(|jump| {
+            let losses: Vec<String> = run
+                .rivals
+                .iter()
+                .filter_map(|rival| Some(format!("{:.4}", rival.dissipated_energy?)))
+                .collect();
+            let or = if losses.is_empty() {
+                "is not known".to_owned()
+            } else {
+                format!("is {} gamma", losses.join(" or "))
+            };
+            format!(
+                "u0 = {}: {}; the loss of the other landing {or}",
+                jump.mean_displacement,
+                jump.cause_words()
+            )
+        });
+    let missed = run
+        .error_bar
+        .filter(|error| *error > scene.accuracy)
+        .map(|error| {
+            let points = reference(scene, model).cell.points;
+            let finer = match points {
+                Points::Line(n) => format!("[{n}, 1]"),
+                Points::Square(n) => n.to_string(),
+                Points::Auto => "\"auto\"".to_owned(),
+            };
+            let (bar, target) = (promise(Some(error)), scene.accuracy);
+            format!(
+                "accuracy.target = {target} is not met ({bar}); cell.points = {finer} comes closer"
+            )
+        });
+    model
+        .warning()
+        .into_iter()
+        .chain(ledger.and_then(Ledger::warning))
+        .chain(contested)
+        .chain(missed)
+        .collect()
 }
 
-fn short(row: &Judged) -> PointShort<'_> {
-    PointShort {
-        method: row.point.method.word(),
-        model: row.point.model_word(),
-        points: row.point.points,
-        precision: row.point.precision.word(),
-        step: Number(row.point.step),
-        error_dissipated_energy: Number(row.errors.dissipated_energy),
-        transforms: row.transforms,
-        processor_seconds: Number(row.processor_seconds),
-        outcome: row.verdict.to_string(),
+fn contested(rival: &RivalLoop) -> Contested {
+    Contested {
+        landing: rival.landing.pattern.word(),
+        share: Number(rival.landing.share),
+        dissipated_energy: Number::from(rival.dissipated_energy),
+    }
+}
+
+fn plan_summary(scene: &Scene, model: &Model, plan: &Plan, deviation: Option<&str>) -> PlanSummary {
+    let given = scene.number_given(Dimension::SurfaceEnergy, model.law.surface_energy);
+    PlanSummary {
+        strategy: plan.carried_out(deviation).word(),
+        words: deviation.map_or_else(|| plan.words(), |why| format!("{}; {why}", plan.words())),
+        predicted_seconds: Number(plan.predicted_seconds),
+        reason: model.reason.clone(),
+        length: Number(model.grid.length),
+        points: [model.grid.nx, model.grid.ny],
+        spacing: Number(model.grid.spacing()),
+        law: model.law.shape.word(),
+        surface_energy: Number(given),
+        range: Number(model.law.range),
+        mu_rho: Number(model.mu_rho),
+        warning: model.warning(),
+    }
+}
+
+fn counts(run: &LoopRun) -> CountSummary {
+    let (counts, states, tally) = (run.counts, &run.record.states, run.record.tally());
+    let per_increment = (counts.patterned_increments > 0)
+        .then(|| counts.transforms as f64 / counts.patterned_increments as f64);
+    CountSummary {
+        states: states.len(),
+        states_not_stable: states.iter().filter(|s| s.stop != Stop::Stable).count(),
+        jumps: tally.jumps,
+        mesh_jumps: tally.of_the_mesh,
+        transitions: tally.transitions,
+        patterned_increments: counts.patterned_increments,
+        transforms: counts.transforms,
+        proof_transforms: counts.proof_transforms,
+        transforms_per_patterned_increment: per_increment.into(),
+        iterations: counts.iterations,
+    }
+}
+
+impl Yardstick {
+    /// The yardstick's numbers beside those of the main run.
+    pub fn of(model: &Model, main: &Timed, other: &Timed) -> Self {
+        let both =
+            main.run.outcome == Outcome::Completed && other.run.outcome == Outcome::Completed;
+        Self {
+            method: "gfmd",
+            completed: other.run.outcome == Outcome::Completed,
+            stop: other.run.outcome.word(),
+            dissipated_energy: other
+                .run
+                .ledger(model.law.surface_energy)
+                .and_then(|ledger| ledger.dissipated_energy())
+                .into(),
+            jumps: other.run.record.tally().jumps,
+            transforms: other.run.counts.transforms,
+            wall_seconds: Number(other.wall_seconds),
+            processor_seconds: Number(other.processor_seconds),
+            processor_time_ratio: both
+                .then(|| other.processor_seconds / main.processor_seconds)
+                .into(),
+        }
     }
 }
 
@@ -405,5 +530,16 @@ mod tests {
             json.ok().as_deref(),
             Some(r#"[0.5,"not available","not available","not available"]"#)
         );
+    }
+
+    #[test]
+    fn nan_is_never_swallowed_by_a_maximum() {
+        assert!(
+            [1.0, f64::NAN, 2.0]
+                .into_iter()
+                .reduce(nan_max)
+                .is_some_and(f64::is_nan)
+        );
+        assert_eq!([1.0, 3.0, 2.0].into_iter().reduce(nan_max), Some(3.0));
     }
 }

@@ -5,8 +5,7 @@
 //! along the ladder, and the limit that the last order gives is farther from the finest value than
 //! the truth is. The error bar is on the safe side.
 
-use super::axis::grid;
-use super::sweep::{Column, Row, Study, column};
+use super::sweep::{Column, Row, Study, column, grid};
 use crate::follow::record::LOCATED;
 use crate::physics::mesh_rule::next_fast;
 use crate::physics::parameter::Refusal;

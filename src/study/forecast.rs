@@ -1,4 +1,5 @@
-//! Where the next jump is to be expected, from the smallest eigenvalue along the branch so far.
+//! What is ahead of a surface that has not snapped yet: where the next jump is to be expected, from
+//! the smallest eigenvalue along the branch so far; in words, also where nothing can snap.
 //!
 //! Near a fold the eigenvalue falls like the square root of the distance, so that its square is
 //! linear in the control; near a symmetry breaking the eigenvalue itself is linear. Which of them
@@ -8,9 +9,13 @@
 
 use crate::follow::flat_branch::FlatBranch;
 use crate::follow::record::{Direction, LoopRecord, StateRecord};
+use crate::physics::body::Body;
+use crate::physics::control::Control;
 use crate::physics::indenter::Indenter;
+use crate::physics::parameter::Dimension;
 use crate::physics::pattern::Pattern;
-use crate::scene::Model;
+use crate::physics::theory::flat;
+use crate::scene::{Model, Scene, window};
 
 /// The bracket reaches this much nearer and farther than the extrapolations do, whose third
 /// differences are not known.
@@ -154,6 +159,95 @@ fn parabola_zero([x0, x1]: [f64; 2], [y0, y1, y2]: [f64; 3]) -> Option<f64> {
         .into_iter()
         .filter(|zero| *zero > 0.0)
         .min_by(f64::total_cmp)
+}
+
+/// What is driven at this value: "u₀ = 3.102 ρ".
+pub(super) fn told(control: Control, value: f64, model: &Model, digits: usize) -> String {
+    let (natural, word, of) = match control {
+        Control::Load => (model.law.traction_max(), "σₘₐₓ", Dimension::Stress),
+        _ => (model.law.range, "ρ", Dimension::Length),
+    };
+    let value = model.unit(of).say(value / natural, digits, word);
+    format!("{} = {}", control.symbol(), value.replace('-', "−"))
+}
+
+/// Why nothing can snap in a scene.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Calm {
+    /// What to change.
+    pub remedy: &'static str,
+    /// The reason with its numbers.
+    pub reason: String,
+}
+
+/// Why nothing can snap in this scene; `None` where something can, or nobody knows.
+pub fn calm(scene: &Scene, model: &Model) -> Option<Calm> {
+    let branch = FlatBranch::new(model.law, model.equivalent_length, scene.control());
+    if model.indenter != Indenter::Flat || branch.limits().is_some() {
+        return None;
+    }
+    let rho = model.law.range;
+    let across = model.unit_across();
+    let (remedy, what) = if model.body == Body::HalfSpace {
+        ("Make the cell longer.", "The cell has")
+    } else {
+        (
+            "Make the layer thicker.",
+            "The softest wave of the layer is that of a cell of",
+        )
+    };
+    Some(Calm {
+        remedy,
+        reason: format!(
+            "{what} {}, and below L_c = {} every wave is stiffer than the law is soft.",
+            across.say(model.equivalent_length / rho, 1, "ranges"),
+            across.say(flat::critical_length(&model.law) / rho, 1, "ranges")
+        ),
+    })
+}
+
+/// What can happen next, in words; nothing of a record without a state.
+pub fn ahead(scene: &Scene, model: &Model, record: &LoopRecord) -> String {
+    if let Some(calm) = calm(scene, model) {
+        return format!("Here nothing snaps. {} {}", calm.remedy, calm.reason);
+    }
+    let control = scene.control();
+    let Some(now) = record.states.last() else {
+        return String::new();
+    };
+    let way = match now.direction {
+        Direction::Approach => "down",
+        Direction::Retraction => "up",
+    };
+    let Some(ahead) = forecast(record, model) else {
+        return match model.indenter {
+            Indenter::Flat => format!("No jump is near on the way {way}."),
+            _ => "Where it snaps shows when it comes near: there its stiffness falls to zero."
+                .to_owned(),
+        };
+    };
+    let (low, high) = window::of_control(scene, model);
+    let (near, far) = (
+        ahead.nearest.min(ahead.farthest),
+        ahead.nearest.max(ahead.farthest),
+    );
+    if high < near || far < low {
+        return format!(
+            "It would snap at {}, beyond the end of the drive.",
+            told(control, ahead.nearest, model, 3)
+        );
+    }
+    if near == far {
+        return format!(
+            "It snaps at {} on the way {way}: there the flat surface gives way.",
+            told(control, near, model, 4)
+        );
+    }
+    format!(
+        "The next jump on the way {way} is between {} and {}.",
+        told(control, near, model, 3),
+        told(control, far, model, 3)
+    )
 }
 
 #[cfg(test)]

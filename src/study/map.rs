@@ -5,10 +5,9 @@
 //! to value: a loop that is little different from the last is read off in milliseconds. Where there
 //! is no atlas the loop is walked.
 
-use super::axis::{Spacing, Span};
 use super::live_loop::{Fineness, LiveLoop, LiveLoops};
-use super::plan::plan;
-use crate::follow::flat_branch::FlatBranch;
+use super::plan::{enclose, plan};
+use super::sweep::{Spacing, Span};
 use crate::follow::record::{Direction, JumpRecord};
 use crate::follow::run::{LoopRun, run_loop};
 use crate::follow::walk::WalkOptions;
@@ -29,12 +28,6 @@ const DECADE: f64 = 2.0;
 const STEP: f64 = 0.1;
 /// Rows that are computed by themselves in any case lie so far apart.
 const APART: usize = 8;
-/// On flat ground the drive goes at least so many units of the control beyond the limits of the
-/// flat state, so that the loop closes and holds every pattern; and no deeper than this share of the
-/// lower limit. The flat state beyond costs nothing.
-const FARTHER: f64 = 8.0;
-const DEEPER: f64 = 0.5;
-const DEEPEST: f64 = 0.2;
 
 /// A parameter of the scene file and the values between which it goes.
 #[derive(Clone, Debug, PartialEq)]
@@ -334,24 +327,6 @@ fn found(
     };
     let run = run_loop(&walk, options, cancel, &mut |_| {}).map_err(|error| error.to_string())?;
     walked(&run, model, scene.drive.turn)
-}
-
-/// Makes the drive of a `scene` on flat ground go beyond every jump, if it does not.
-pub(super) fn enclose(scene: &mut Scene, model: &Model) {
-    let (law, control) = (&model.law, scene.control());
-    let flat = FlatBranch::new(*law, model.equivalent_length, control);
-    let (Turn::At(turn), Some(limits), Some((gap, _))) =
-        (scene.drive.turn, flat.limits(), flat.unstable_gaps())
-    else {
-        return;
-    };
-    // A Mie law has no gap at or below zero.
-    let deep = (gap - DEEPER * law.range).max(DEEPEST * gap);
-    let [deep, _] = control.balanced(deep, law.at(deep).traction);
-    let unit = control.unit(law);
-    scene.drive.turn = Turn::At(turn.min(deep).min(limits.1 - DEEPER * unit));
-    let far = limits.0.max(limits.1) + FARTHER * unit;
-    scene.drive.start = scene.drive.start.max(far);
 }
 
 fn read(live: &LiveLoop) -> Found {

@@ -5,7 +5,6 @@
 //!
 //! May use `follow` and all below it; no threads, channels or files.
 
-pub mod axis;
 pub mod chart;
 pub mod converge;
 pub mod forecast;
@@ -18,3 +17,5 @@ pub mod reality;
 pub mod sweep;
 pub mod time_step_map;
 pub mod why;
+
+pub use sweep as axis;

@@ -9,6 +9,7 @@
 
 use crate::follow::atlas::{Atlas, Cycle, Meshes, Unmapped};
 use crate::follow::diagram::{Diagram, Observe};
+use crate::follow::flat_branch::FlatBranch;
 use crate::follow::ledger::LOSS_MIN;
 use crate::follow::record::JumpRecord;
 use crate::follow::run::{LoopRun, Outcome, Report, RivalLoop, run_loop, walked_after_all};
@@ -230,6 +231,31 @@ fn travel(scene: &Scene, model: &Model) -> f64 {
         Turn::At(turn) => scene.drive.start - turn,
         Turn::ZeroLoad => 10.0 * model.law.range,
     }
+}
+
+/// On flat ground the drive goes at least so many units of the control beyond the limits of the
+/// flat state, so that the loop closes and holds every pattern; and no deeper than this share of the
+/// lower limit. The flat state beyond costs nothing.
+const FARTHER: f64 = 8.0;
+const DEEPER: f64 = 0.5;
+const DEEPEST: f64 = 0.2;
+
+/// Makes the drive of a `scene` on flat ground go beyond every jump, if it does not.
+pub(super) fn enclose(scene: &mut Scene, model: &Model) {
+    let (law, control) = (&model.law, scene.control());
+    let flat = FlatBranch::new(*law, model.equivalent_length, control);
+    let (Turn::At(turn), Some(limits), Some((gap, _))) =
+        (scene.drive.turn, flat.limits(), flat.unstable_gaps())
+    else {
+        return;
+    };
+    // A Mie law has no gap at or below zero.
+    let deep = (gap - DEEPER * law.range).max(DEEPEST * gap);
+    let [deep, _] = control.balanced(deep, law.at(deep).traction);
+    let unit = control.unit(law);
+    scene.drive.turn = Turn::At(turn.min(deep).min(limits.1 - DEEPER * unit));
+    let far = limits.0.max(limits.1) + FARTHER * unit;
+    scene.drive.start = scene.drive.start.max(far);
 }
 
 /// Runs the closed loop on the strategy of `plan`, with its error bar and the loops of other

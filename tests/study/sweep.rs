@@ -6,10 +6,9 @@ use std::collections::HashSet;
 use tackscope::numerics::cancel::Cancel;
 use tackscope::physics::theory::flat;
 use tackscope::scene::{Points, Range, Scene};
-use tackscope::study::axis::{Sequence, Spacing, Span, grid};
 use tackscope::study::converge::{convergences, estimate, ladder};
 use tackscope::study::plan::read_off;
-use tackscope::study::sweep::{Point, Row, Study, column};
+use tackscope::study::sweep::{Point, Row, Sequence, Spacing, Span, Study, column, grid};
 
 fn study(scene: Scene, keys: &[&str], places: Vec<Vec<f64>>) -> Study {
     Study {

@@ -1,4 +1,6 @@
-//! Diagrams and tables as pictures, SVG and PNG. The same value gives the same bytes.
+//! Diagrams and tables as pictures, SVG and PNG; and the report, every figure with its words and
+//! findings, the tables, the errata, as one HTML page that needs nothing else. The same value gives
+//! the same bytes.
 //!
 //! Everything is drawn once, onto a sheet that is the SVG; the PNG is that SVG rendered.
 
@@ -7,16 +9,17 @@ mod svg;
 #[cfg(test)]
 mod tests;
 
-pub(super) use svg::escaped;
-
 use super::picture::write_png;
-use super::{Failure, files};
-use crate::paper::figure::Table;
+use super::{Failure, VERSION, files};
+use crate::paper::errata::Erratum;
+use crate::paper::figure::{Figure, Finding, Table};
 use crate::plot::panel::{Page, Panel};
+use crate::plot::typeset::{Script, number, runs};
 use image::RgbImage;
 use panel::Legend;
+use std::fmt::Write;
 use std::path::Path;
-use svg::{Anchor, RULE, Sheet, ink, set, solid, width};
+use svg::{Anchor, RULE, Sheet, escaped, ink, set, solid, width};
 
 /// Edge of the sheet, sizes of its title and of the lines beneath, and the distance to the
 /// diagrams.
@@ -225,4 +228,254 @@ fn table_sheet(table: &Table) -> Sheet {
     }
     sheet.line(&[[EDGE, top], [across - EDGE, top]], solid(ink(), 1.2));
     sheet
+}
+
+/// What the report holds.
+#[derive(Default)]
+pub struct Report<'a> {
+    /// The figures with what to look for in each.
+    pub figures: Vec<(&'a Figure, &'a str)>,
+    /// The tables.
+    pub tables: Vec<&'a Table>,
+    /// What the print got wrong.
+    pub errata: &'a [Erratum],
+    /// What is missing, in words, and why.
+    pub missing: Vec<String>,
+}
+
+const STYLE: &str = "\
+body { font: 16px/1.5 'DejaVu Sans', Verdana, sans-serif; color: #222; background: #fff; \
+    max-width: 60rem; margin: 2rem auto; padding: 0 1rem; }
+h1 { font-size: 1.7rem; } h2 { font-size: 1.25rem; margin-top: 2.5rem; \
+    border-bottom: 1px solid #ccc; }
+figure { margin: 1rem 0; } figure svg { width: 100%; height: auto; }
+.look { color: #555; font-style: italic; } .missing { color: #a02020; }
+table { border-collapse: collapse; font-size: 0.85rem; margin: 0.8rem 0; width: 100%; }
+th, td { text-align: left; padding: 0.25rem 0.7rem 0.25rem 0; \
+    border-bottom: 1px solid #ddd; vertical-align: top; }
+th { border-bottom: 1.5px solid #222; } td.number { font-variant-numeric: tabular-nums; \
+    white-space: nowrap; }
+.yes { color: #116b3a; } .no { color: #a02020; font-weight: bold; } .stated { color: #777; }
+sub, sup { line-height: 0; font-size: 0.72em; }
+nav { columns: 2; font-size: 0.9rem; } nav ul { margin: 0; }
+@media print {
+  body { font-size: 10.5pt; max-width: none; margin: 0; } h2 { break-after: avoid; }
+  section.figure { break-inside: avoid-page; } figure { break-inside: avoid; } \
+  tr { break-inside: avoid; } thead { display: table-header-group; }
+  nav { display: none; } a { color: inherit; text-decoration: none; }
+}
+";
+
+/// Writes the page.
+///
+/// # Errors
+/// A file that cannot be written.
+pub fn write_report(path: &Path, report: &Report<'_>) -> Result<(), Failure> {
+    files::write_whole(path, report_page(report).as_bytes())
+}
+
+fn report_page(report: &Report<'_>) -> String {
+    let mut out = format!(
+        "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n<meta \
+         name=\"viewport\" content=\"width=device-width\">\n\
+         <title>Modeling adhesive hysteresis, figure by \
+         figure</title>\n<style>\n{STYLE}</style>\n</head>\n<body>\n\
+         <h1>Modeling adhesive hysteresis, figure by figure</h1>\n\
+         <p>The figures of Wang, Zhou and Müser (<i>Lubricants</i> 9 (2021) 17, doi \
+         10.3390/lubricants9020017), computed anew by \
+         Tackscope {}, beside theory and print.</p>\n",
+        VERSION
+    );
+    summary(&mut out, report);
+    for (figure, look_for) in &report.figures {
+        figure_section(&mut out, figure, look_for);
+    }
+    for table in &report.tables {
+        table_section(&mut out, table);
+    }
+    errata(&mut out, report.errata);
+    out.push_str("</body>\n</html>\n");
+    out
+}
+
+/// How many findings agree, what is missing, and where to find what.
+fn summary(out: &mut String, report: &Report<'_>) {
+    let all = || {
+        report
+            .figures
+            .iter()
+            .flat_map(|(f, _)| &f.findings)
+            .chain(report.tables.iter().flat_map(|t| &t.findings))
+    };
+    let judged = all().filter(|f| f.agrees().is_some()).count();
+    let agree = all().filter(|f| f.agrees() == Some(true)).count();
+    let _ = writeln!(
+        out,
+        "<p>{} numbers are compared; {judged} of them with a promise how near they must be, and of \
+         those {agree} agree. Curves: broad lines and symbols are computed equilibria, thin solid \
+         lines theory, dashed lines the print.</p>",
+        all().count()
+    );
+    for missing in &report.missing {
+        let _ = writeln!(out, "<p class=\"missing\">Missing: {}</p>", html(missing));
+    }
+    out.push_str("<nav><ul>\n");
+    for (figure, _) in &report.figures {
+        let _ = writeln!(
+            out,
+            "<li><a href=\"#figure-{0}\">Fig. {0}: {1}</a></li>",
+            figure.number,
+            html(&figure.title)
+        );
+    }
+    for table in &report.tables {
+        let _ = writeln!(
+            out,
+            "<li><a href=\"#table-{0}\">Table {0}: {1}</a></li>",
+            table.number,
+            html(&table.title)
+        );
+    }
+    if !report.errata.is_empty() {
+        out.push_str("<li><a href=\"#errata\">What the print got wrong</a></li>\n");
+    }
+    out.push_str("</ul></nav>\n");
+}
+
+fn figure_section(out: &mut String, figure: &Figure, look_for: &str) {
+    let number = figure.number;
+    let _ = writeln!(
+        out,
+        "<section class=\"figure\" id=\"figure-{number}\">\n<h2>Fig. {number}: {}</h2>",
+        html(&figure.title)
+    );
+    let _ = writeln!(out, "<p class=\"look\">{}</p>", html(look_for));
+    let _ = writeln!(out, "<figure>\n{}</figure>", page_svg(&figure.page()));
+    paragraph(out, &figure.words);
+    findings(out, &figure.findings);
+    out.push_str("</section>\n");
+}
+
+fn table_section(out: &mut String, table: &Table) {
+    let number = table.number;
+    let _ = writeln!(
+        out,
+        "<section id=\"table-{number}\">\n<h2>Table {number}: {}</h2>",
+        html(&table.title)
+    );
+    head(out, &table.columns);
+    for row in &table.rows {
+        let cells: String = row
+            .iter()
+            .map(|cell| format!("<td>{}</td>", html(cell)))
+            .collect();
+        let _ = writeln!(out, "<tr>{cells}</tr>");
+    }
+    out.push_str("</tbody>\n</table>\n");
+    paragraph(out, &table.words);
+    findings(out, &table.findings);
+    out.push_str("</section>\n");
+}
+
+/// The beginning of a table: its columns.
+fn head(out: &mut String, columns: &[impl AsRef<str>]) {
+    let cell = |column: &_| format!("<th>{}</th>", html(AsRef::as_ref(column)));
+    let cells: String = columns.iter().map(cell).collect();
+    let _ = writeln!(out, "<table>\n<thead><tr>{cells}</tr></thead>\n<tbody>");
+}
+
+fn paragraph(out: &mut String, words: &str) {
+    if !words.is_empty() {
+        let _ = writeln!(out, "<p>{}</p>", html(words));
+    }
+}
+
+fn findings(out: &mut String, findings: &[Finding]) {
+    if findings.is_empty() {
+        return;
+    }
+    head(
+        out,
+        &[
+            "quantity",
+            "found",
+            "expected",
+            "source",
+            "deviation",
+            "agrees",
+        ],
+    );
+    for finding in findings {
+        let (class, word) = match finding.agrees() {
+            Some(true) => ("yes", "yes"),
+            Some(false) => ("no", "no"),
+            None => ("stated", "stated only"),
+        };
+        let [found, expected, deviation] = [
+            finding.found,
+            finding.expected,
+            finding.found - finding.expected,
+        ]
+        .map(number);
+        let _ = writeln!(
+            out,
+            "<tr><td>{}</td><td class=\"number\">{found}</td><td \
+             class=\"number\">{expected}</td><td>{}</td><td class=\"number\">{deviation}</td><td \
+             class=\"{class}\">{word}</td></tr>",
+            html(&finding.quantity),
+            html(&finding.source)
+        );
+    }
+    out.push_str("</tbody>\n</table>\n");
+}
+
+fn errata(out: &mut String, errata: &[Erratum]) {
+    if errata.is_empty() {
+        return;
+    }
+    out.push_str("<section id=\"errata\">\n<h2>What the print got wrong</h2>\n");
+    out.push_str(
+        "<p>The evidence is computed without either formula: by finding roots, integrating, \
+         measuring, running a loop.</p>\n",
+    );
+    for erratum in errata {
+        let _ = writeln!(
+            out,
+            "<h3>{}</h3>\n<p>Printed: {}<br>Right: {}<br>{}</p>",
+            html(erratum.place),
+            html(erratum.printed),
+            html(erratum.right),
+            html(erratum.because)
+        );
+        if erratum.evidence.is_empty() {
+            continue;
+        }
+        head(out, &["evidence", "found", "by the print", "right"]);
+        for evidence in &erratum.evidence {
+            let [found, printed, right] =
+                [evidence.found, evidence.printed, evidence.right].map(number);
+            let _ = writeln!(
+                out,
+                "<tr><td>{}</td><td class=\"number\">{found}</td><td \
+                 class=\"number\">{printed}</td><td class=\"number\">{right}</td></tr>",
+                html(evidence.quantity)
+            );
+        }
+        out.push_str("</tbody>\n</table>\n");
+    }
+    out.push_str("</section>\n");
+}
+
+/// Text with its formulas set, safe inside HTML.
+fn html(text: &str) -> String {
+    let mut out = String::new();
+    for run in runs(text) {
+        let text = escaped(&run.text);
+        let _ = match run.script {
+            Script::Base => write!(out, "{text}"),
+            Script::Sub => write!(out, "<sub>{text}</sub>"),
+            Script::Super => write!(out, "<sup>{text}</sup>"),
+        };
+    }
+    out
 }

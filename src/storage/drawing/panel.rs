@@ -10,9 +10,8 @@ use crate::plot::panel::{
     Area, Arrow, Axis, Colour, Content, Fill, Inset, Label, Look, Panel, Role, Series, Symbol,
     entries,
 };
-use crate::plot::scale::{Scale, scales};
+use crate::plot::scale::{Scale, scales, ticks};
 use crate::plot::style::{Colours, MARKS, Rgb, Stroke, marked, pointing, stroke};
-use crate::plot::ticks::ticks;
 use crate::storage::picture::{self, common_scale, gap_pixels};
 
 /// Sizes of letters: ticks, names of axes, headings, words in the diagram.

@@ -2,8 +2,7 @@
 
 use super::*;
 use crate::follow::record::{Direction, LoopRecord};
-use crate::paper::Figure;
-use crate::paper::figure::Finding;
+use crate::paper::errata::Evidence;
 use crate::paper::scenes;
 use crate::plot::loop_panel::tests::{invented_loop, law};
 use crate::plot::panel::{Area, Arrow, Axis, Colour, Content, Inset, Label, Role, Series, Symbol};
@@ -170,6 +169,15 @@ fn power_panel() -> Panel {
     }
 }
 
+/// The picture of a figure of these diagrams.
+fn drawn(panels: Vec<Panel>) -> String {
+    let figure = Figure {
+        panels,
+        ..Figure::default()
+    };
+    page_svg(&figure.page())
+}
+
 fn single() -> Figure {
     Figure {
         number: 98,
@@ -238,16 +246,10 @@ fn figures_become_svg_and_png_twice_the_same() {
 
 #[test]
 fn nothing_is_drawn_outside_the_frame_of_a_diagram() {
-    let mut figure = Figure {
-        number: 1,
-        panels: vec![power_panel()],
-        ..Figure::default()
-    };
-    figure.panels[0].series.retain(|s| s.symbol.is_none());
-    for s in &mut figure.panels[0].series {
-        s.name.clear();
-    }
-    let svg = page_svg(&figure.page());
+    let mut panel = power_panel();
+    panel.series.retain(|s| s.symbol.is_none());
+    panel.series.iter_mut().for_each(|s| s.name.clear());
+    let svg = drawn(vec![panel]);
     let attribute = |line: &str, key: &str| {
         Some(
             line.split(&format!(" {key}=\""))
@@ -292,13 +294,7 @@ fn nothing_is_drawn_outside_the_frame_of_a_diagram() {
 
 #[test]
 fn roles_differ_without_colour() {
-    let text = page_svg(
-        &Figure {
-            panels: vec![power_panel()],
-            ..Figure::default()
-        }
-        .page(),
-    );
+    let text = drawn(vec![power_panel()]);
     let of = |what: &str| text.lines().filter(|line| line.contains(what)).count();
     assert!(
         of("stroke-dasharray=\"8 4\"") >= 2,
@@ -332,10 +328,8 @@ fn broken_numbers_and_empty_figures_are_drawn_too() {
             title: "bell \u{7}".to_owned(),
             ..Figure::default()
         };
-        assert!(
-            !page_svg(&figure.page()).contains(['\u{7}'])
-                && !page_svg(&figure.page()).contains("NaN")
-        );
+        let text = page_svg(&figure.page());
+        assert!(!text.contains(['\u{7}']) && !text.contains("NaN"));
         write_page_png(&folder.path().join(format!("{i}.png")), &figure.page()).expect("a picture");
     }
 }
@@ -400,11 +394,8 @@ fn a_table_becomes_csv_svg_and_png_and_findings_say_whether_they_agree() {
     );
     assert!(image::open(out("t.png")).expect("a picture").width() >= 1600);
     let finding = |found, tolerance| Finding::new("p", found, 1.0, "Eq. 8", tolerance);
-    let findings = [
-        finding(1.25, Some(0.5)),
-        finding(3.0, Some(0.5)),
-        finding(2.0, None),
-    ];
+    let findings = [(1.25, Some(0.5)), (3.0, Some(0.5)), (2.0, None)];
+    let findings = findings.map(|(found, tolerance)| finding(found, tolerance));
     write_findings_csv(
         &out("f.csv"),
         findings.iter().map(|f| ("Fig. 4".to_owned(), f)),
@@ -433,10 +424,7 @@ fn flat_model() -> Model {
 #[test]
 fn a_loop_becomes_an_svg_and_a_png() {
     let folder = tempfile::tempdir().expect("a temporary folder");
-    let (svg, png) = (
-        folder.path().join("loop.svg"),
-        folder.path().join("loop.png"),
-    );
+    let [svg, png] = ["loop.svg", "loop.png"].map(|name| folder.path().join(name));
     let page = loop_panel::page(
         &invented_loop(),
         &flat_model(),
@@ -458,11 +446,8 @@ fn a_loop_becomes_an_svg_and_a_png() {
     let picture = image::open(&png).expect("a picture").into_rgb8();
     assert!(picture.width() >= 1600);
     let of = |colour: Colour| {
-        let [red, green, blue] = colour.on(crate::plot::style::Ground::Light);
-        picture
-            .pixels()
-            .filter(|p| p.0 == [red, green, blue])
-            .count()
+        let rgb = colour.on(crate::plot::style::Ground::Light);
+        picture.pixels().filter(|p| p.0 == rgb).count()
     };
     let [approach, retraction] = Direction::BOTH.map(|direction| of(Colour::of(direction)));
     assert!(
@@ -490,7 +475,7 @@ fn the_ticks_of_a_narrow_drive_are_told_apart() {
             }
         }));
         let panel = loop_panel::loop_panel(&record, &flat_model());
-        let (ticks, _) = crate::plot::ticks::ticks(&crate::plot::scale::scales(&panel)[0]);
+        let (ticks, _) = crate::plot::scale::ticks(&crate::plot::scale::scales(&panel)[0]);
         let mut numbers: Vec<String> = ticks.into_iter().filter_map(|tick| tick.label).collect();
         let all = numbers.len();
         numbers.dedup();
@@ -538,4 +523,77 @@ fn a_chart_is_drawn_with_its_failures_named_and_without_anything_too() {
         assert!(text.contains(word), "{word}");
     }
     assert!(!page_svg(&chart_panel::page(&Chart::default(), "")).contains("NaN"));
+}
+
+#[test]
+fn the_page_holds_everything_escaped_and_needs_nothing_else() {
+    let finding = |found: f64, tolerance: Option<f64>| {
+        Finding::new("u_c/rho <b>", found, 1.0, "Eq. 8 & more", tolerance)
+    };
+    let figure = Figure {
+        number: 4,
+        title: "a < b".to_owned(),
+        words: "<script>alert(1)</script>".to_owned(),
+        findings: vec![
+            finding(1.01, Some(0.1)),
+            finding(1.5, Some(0.1)),
+            finding(2.0, None),
+        ],
+        ..Figure::default()
+    };
+    let table = Table {
+        number: 1,
+        rows: vec![vec!["<i>".to_owned()]],
+        ..Table::default()
+    };
+    let evidence = vec![Evidence {
+        quantity: "vhat_c",
+        found: 0.400643,
+        printed: 0.4204,
+        right: 0.400643,
+        tolerance: 1e-6,
+    }];
+    let errata = [Erratum {
+        place: "Eq. 24",
+        printed: "<0.42>",
+        right: "0.40",
+        because: "",
+        evidence,
+    }];
+    let report = Report {
+        figures: vec![(&figure, "look <here>")],
+        tables: vec![&table],
+        errata: &errata,
+        missing: vec!["Fig. 5: <x>".to_owned()],
+    };
+    let page = report_page(&report);
+    for part in [
+        "<svg",
+        "&lt;script&gt;",
+        "u<sub>c</sub>/ρ &lt;b&gt;",
+        "Eq. 8 &amp; more",
+        "class=\"yes\"",
+        "class=\"no\"",
+        "stated only",
+        "look &lt;here&gt;",
+        "&lt;i&gt;",
+        "&lt;0.42&gt;",
+        "Fig. 5: &lt;x&gt;",
+        "3 numbers are compared; 2 of them",
+        "of those 1 agree",
+        "@media print",
+        "0.4204",
+    ] {
+        assert!(page.contains(part), "{part} is missing");
+    }
+    for foreign in ["<script", "<b>", "<i>\u{20}", "http-equiv", "src=", "<link"] {
+        assert!(!page.contains(foreign), "{foreign}");
+    }
+    for tag in ["section", "table", "tbody", "figure", "nav", "ul", "tr"] {
+        let (open, close) = (
+            page.matches(&format!("<{tag}>")).count() + page.matches(&format!("<{tag} ")).count(),
+            page.matches(&format!("</{tag}>")).count(),
+        );
+        assert_eq!(open, close, "{tag}");
+    }
 }

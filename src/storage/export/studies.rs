@@ -1,5 +1,6 @@
 //! What studies of a scene give, as tables: the diagram and the barriers between its states, the map of
-//! patterns, the convergence with the mesh, the ground.
+//! patterns, the convergence with the mesh, the ground; `chart.json`: what the chart of speed against
+//! accuracy says in short.
 
 use super::{cells_of, number, quoted, write_matrix, write_rows};
 use crate::follow::diagram::Diagram;
@@ -7,8 +8,9 @@ use crate::physics::parameter::Dimension;
 use crate::physics::system::State;
 use crate::physics::topography::Statistics;
 use crate::scene::Scene;
-use crate::storage::Failure;
-use crate::storage::summary::{Number, write_json};
+use crate::storage::summary::{Number, SceneSummary, write_json};
+use crate::storage::{Failure, VERSION};
+use crate::study::chart::{Chart, Judged, Verdict};
 use crate::study::converge::Convergence;
 use crate::study::ground::GroundReport;
 use crate::study::landscape::{Ground, Saddle};
@@ -322,4 +324,122 @@ pub fn write_spectrum_csv(path: &Path, report: &GroundReport) -> Result<(), Fail
 pub fn write_heights_csv(path: &Path, report: &GroundReport) -> Result<(), Failure> {
     let head = format!("# width = {}\n", number(report.grid.length));
     write_matrix(path, &head, &report.height)
+}
+
+#[derive(Serialize)]
+struct Short<'a> {
+    tackscope: &'static str,
+    scene: SceneSummary,
+    completed: bool,
+    reference: Option<ReferenceShort>,
+    counts: Counts,
+    pareto_transforms: Vec<PointShort<'a>>,
+    pareto_processor_seconds: Vec<PointShort<'a>>,
+    plan: Vec<PointShort<'a>>,
+    paper_budget: Vec<PointShort<'a>>,
+    skipped: Vec<String>,
+}
+
+#[derive(Serialize)]
+struct ReferenceShort {
+    what: String,
+    dissipated_energy: Number,
+    loop_integral: Number,
+    jumps: usize,
+    error_dissipated_energy: Number,
+    error_jumps: Number,
+    error_stress: Number,
+    transforms: usize,
+    processor_seconds: Number,
+    outcome: String,
+}
+
+#[derive(Serialize)]
+struct Counts {
+    points: usize,
+    done: usize,
+    failed: usize,
+    skipped: usize,
+}
+
+#[derive(Serialize)]
+struct PointShort<'a> {
+    method: &'a str,
+    model: &'a str,
+    points: usize,
+    precision: &'a str,
+    step: Number,
+    error_dissipated_energy: Number,
+    transforms: usize,
+    processor_seconds: Number,
+    outcome: String,
+}
+
+/// Writes the chart's summary; `given` is the word on the command line.
+///
+/// # Errors
+/// A file that cannot be written.
+pub fn write_chart_json(
+    path: &Path,
+    given: &str,
+    scene: &Scene,
+    chart: &Chart,
+) -> Result<(), Failure> {
+    let of = |which: fn(&Judged) -> bool| {
+        chart
+            .rows
+            .iter()
+            .filter(|row| which(row))
+            .map(short)
+            .collect()
+    };
+    let count =
+        |which: fn(&Verdict) -> bool| chart.rows.iter().filter(|row| which(&row.verdict)).count();
+    let told = Short {
+        tackscope: VERSION,
+        scene: SceneSummary::new(given, scene),
+        completed: !chart.cancelled,
+        reference: chart.reference.as_ref().map(|reference| ReferenceShort {
+            what: reference.point().to_string(),
+            dissipated_energy: Number(reference.dissipated_energy),
+            loop_integral: Number(reference.integral),
+            jumps: reference.finest.record.tally().jumps,
+            error_dissipated_energy: Number(reference.errors.dissipated_energy),
+            error_jumps: Number(reference.errors.jumps),
+            error_stress: Number(reference.errors.stress),
+            transforms: reference.finest.counts.transforms,
+            processor_seconds: Number(reference.finest.processor_seconds),
+            outcome: reference.judged().verdict.to_string(),
+        }),
+        counts: Counts {
+            points: chart.rows.len(),
+            done: count(|verdict| *verdict == Verdict::Done),
+            failed: count(|verdict| matches!(verdict, Verdict::Failed { .. })),
+            skipped: chart.skipped.len(),
+        },
+        pareto_transforms: of(|row| row.pareto_transforms),
+        pareto_processor_seconds: of(|row| row.pareto_time),
+        plan: of(|row| row.plan),
+        paper_budget: of(|row| row.paper_budget),
+        skipped: chart
+            .skipped
+            .iter()
+            .map(|skipped| skipped.point.to_string())
+            .collect(),
+    };
+    write_json(path, &told)
+}
+
+fn short(row: &Judged) -> PointShort<'_> {
+    PointShort {
+        method: row.point.method.word(),
+        model: row.point.model_word(),
+        points: row.point.points,
+        precision: row.point.precision.word(),
+        step: Number(row.point.step),
+        error_dissipated_energy: Number(row.errors.dissipated_energy),
+        transforms: row.transforms,
+        processor_seconds: Number(row.processor_seconds),
+        outcome: row.verdict.to_string(),
+    }
 }
