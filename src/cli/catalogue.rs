@@ -3,13 +3,13 @@
 //! decided.
 
 use super::{
-    DONE, INTERRUPTED, Monitor, NOT_CONVERGED, Output, cancel_on_signal, failures, interrupted,
-    print, say, scene_with_points, warn,
+    DONE, INTERRUPTED, Monitor, NOT_CONVERGED, Output, cancel_on_signal, decided_with_points,
+    failures, interrupted, print, say, warn,
 };
 use crate::lessons::all;
 use crate::numerics::cancel::Cancel;
+use crate::paper::Finding;
 use crate::paper::errata::errata;
-use crate::paper::figure::Finding;
 use crate::paper::{self, Entry, Figure, GALLERY, Size, Stopped, TABLES, Table, Task, UNDER_LOAD};
 use crate::physics::grid::Grid;
 use crate::scene::Scene;
@@ -93,10 +93,7 @@ pub(super) fn presets() -> Result<u8, Failure> {
 
 /// Prints the decided scene.
 pub(super) fn scene(arguments: &SceneArguments) -> Result<u8, Failure> {
-    let (scene, place) = scene_with_points(&arguments.scene, None)?;
-    let model = scene
-        .model()
-        .map_err(|error| scene_file::refused(&place, error))?;
+    let (scene, model, _) = decided_with_points(&arguments.scene, None)?;
     let decided = decided(&scene, &model);
     let text = if arguments.json {
         scene_file::to_json(&decided)

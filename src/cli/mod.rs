@@ -14,10 +14,10 @@ use crate::follow::record::{JumpRecord, StateRecord};
 use crate::follow::run::Report;
 use crate::numerics::cancel::Cancel;
 use crate::plot::scale::digits;
-use crate::scene::Scene;
 use crate::scene::units::fixed;
+use crate::scene::{Model, Scene};
 use crate::storage::files::Folder;
-use crate::storage::{Failure, VERSION, files, line, presets};
+use crate::storage::{Failure, VERSION, files, line, presets, scene_file};
 use crate::worker::signals;
 use clap::builder::{PathBufValueParser, TypedValueParser};
 use clap::{Args, Parser, Subcommand};
@@ -164,6 +164,17 @@ fn scene_with_points(name: &str, points: Option<usize>) -> Result<(Scene, String
     };
     scene.cell.points = scene.cell.points.resized(n);
     Ok((scene, format!("{place} with --points {n}")))
+}
+
+/// The same with everything decided.
+fn decided_with_points(
+    name: &str,
+    points: Option<usize>,
+) -> Result<(Scene, Model, String), Failure> {
+    let (scene, place) = scene_with_points(name, points)?;
+    let model = scene.model();
+    let model = model.map_err(|error| scene_file::refused(&place, error))?;
+    Ok((scene, model, place))
 }
 
 /// The exit code of a command, its failure told.

@@ -4,15 +4,14 @@
 //! before anything runs.
 
 use super::{
-    DONE, Monitor, NOT_CONVERGED, Output, cancel_on_signal, failures, interrupted,
-    scene_with_points, warn,
+    DONE, Monitor, NOT_CONVERGED, Output, cancel_on_signal, decided_with_points, failures,
+    interrupted, scene_with_points, warn,
 };
 use crate::physics::grid::Grid;
 use crate::physics::indenter::{Indenter, Measured};
 use crate::physics::parameter::{Own, Refusal};
 use crate::plot::scale::digits;
 use crate::plot::{chart_panel, diagram_panel, study_panel};
-use crate::scene::window;
 use crate::storage::export::{
     write_barriers_csv, write_branches_csv, write_chart_csv, write_chart_json, write_ground_json,
     write_heights_csv, write_map_csv, write_points_csv, write_spectrum_csv,
@@ -59,9 +58,8 @@ const ROOM: u64 = 4_000_000;
 /// # Errors
 /// A scene that is refused, a folder that cannot be written, or a standard output that cannot.
 pub(super) fn diagram(arguments: &DiagramArguments) -> Result<u8, Failure> {
-    let (scene, place) = scene_with_points(&arguments.scene, arguments.points)?;
+    let (scene, model, place) = decided_with_points(&arguments.scene, arguments.points)?;
     let refused = |error| scene_file::refused(&place, error);
-    let model = scene.model().map_err(refused)?;
     let cancel = cancel_on_signal();
     let output = &arguments.output;
     let folder = output.claim(&[], ROOM, |name| {
@@ -126,7 +124,7 @@ pub(super) fn diagram(arguments: &DiagramArguments) -> Result<u8, Failure> {
 /// The saddles at `count` places of the drive, each with its value of the control, and which are
 /// missing, in words.
 fn saddles(ground: Ground<'_>, count: u16, monitor: &Monitor) -> (Vec<(f64, Saddle)>, Vec<String>) {
-    let (low, high) = window::of_control(ground.scene, ground.model);
+    let (low, high) = ground.scene.window_of_control(ground.model);
     let (mut found, mut missing) = (Vec::new(), Vec::new());
     for i in 0..count {
         let share = (f64::from(i) + 0.5) / f64::from(count);
@@ -422,10 +420,7 @@ fn report(arguments: &GroundArguments) -> Result<(GroundReport, String), Failure
         let report = GroundReport::of(&indenter, &grid, None);
         return Ok((report.expect("there is a map"), word.to_owned()));
     }
-    let (scene, place) = scene_with_points(word, arguments.points)?;
-    let model = scene
-        .model()
-        .map_err(|error| scene_file::refused(&place, error))?;
+    let (scene, model, place) = decided_with_points(word, arguments.points)?;
     let report = GroundReport::of(&model.indenter, &model.grid, Some(&model.law));
     let report = report.ok_or_else(|| {
         let allowed = "allowed is ground with heights; flat ground has none to look at";

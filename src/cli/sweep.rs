@@ -10,7 +10,7 @@ use crate::storage::export::write_convergence_csv;
 use crate::storage::files::Folder;
 use crate::storage::study_file::{Journal, Known, TABLE};
 use crate::storage::{Failure, drawing, files, scene_file, study_file};
-use crate::study::converge::{convergences, ladder};
+use crate::study::map::{convergences, ladder};
 use crate::study::sweep::{Point, Row, Study};
 use clap::{Args, ValueEnum};
 use std::collections::{HashMap, HashSet};

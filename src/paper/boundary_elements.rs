@@ -10,7 +10,7 @@
 //! if straight, 0.13 all around a circle of their area), which makes an error of first order in da;
 //! a circle's ragged edge adds noise, averaged over radii within da.
 
-use super::figure::{Stopped, Task};
+use super::{Stopped, Task};
 use crate::numerics::cancel::Cancel;
 use crate::numerics::cosine::{Cosine, CosineScratch};
 use crate::numerics::krylov::{CgEnd, CgLimits, conjugate_gradients};

@@ -4,8 +4,8 @@
 //! The numbers are computed on the spot and from neither formula: by finding a root, by
 //! integrating, by measuring a law or a mesh, by running a loop.
 
-use super::figure::{Stopped, Task};
 use super::scenes::{self, planned, units_of};
+use super::{Stopped, Task};
 use crate::physics::grid::Grid;
 use crate::physics::indenter::Indenter;
 use crate::physics::law::{Cosine, Law, Morse, Shape};

@@ -1,7 +1,7 @@
 //! Fig. 1: the model from the side, drawn from a solved state.
 
-use super::figure::{Entry, Figure, Finding, Stopped, Task};
-use super::scenes::{self, refused, seen};
+use super::scenes::{self, decided, seen};
+use super::{Entry, Figure, Finding, Stopped, Task};
 use crate::follow::record::Direction;
 use crate::follow::walk::WalkOptions;
 use crate::physics::grid::Grid;
@@ -41,7 +41,7 @@ fn compute(task: &mut Task<'_>) -> Result<Figure, Stopped> {
         .map(|(i, (g, h))| [place(i), *h, h + g])
         .collect();
     let mean = rows.iter().map(|row| row[2]).sum::<f64>() / rows.len() as f64;
-    let law = scene.model().map_err(|error| refused(&scene, error))?.law;
+    let law = decided(&scene)?.law;
     let traction = profile.gap.iter().map(|g| law.at(*g).traction).sum::<f64>() / rows.len() as f64;
     // The cell closes on itself.
     rows.push([0.5 * grid.length, rows[0][1], rows[0][2]]);
@@ -90,7 +90,7 @@ fn strongest_pull(task: &mut Task<'_>) -> Result<(Grid, Profile), Stopped> {
             };
         }
     })?;
-    let model = scene.model().map_err(|error| refused(&scene, error))?;
+    let model = decided(&scene)?;
     Ok((model.grid, best))
 }
 

@@ -1,7 +1,7 @@
 //! Fig. 4: where the flat surface gives way, against the size of the cell.
 
-use super::figure::{Entry, Figure, Finding, Stopped, Task};
 use super::scenes;
+use super::{Entry, Figure, Finding, Stopped, Task};
 use crate::follow::record::Direction;
 use crate::numerics::cancel::Cancel;
 use crate::numerics::vector::norm;

@@ -1,8 +1,8 @@
 //! Fig. 5: the elastic energy of a ridge at zero range.
 
 use super::boundary_elements::{Sample, ridge_energies, ridge_slopes};
-use super::figure::{Entry, Figure, Finding, Stopped, Task};
 use super::scenes;
+use super::{Entry, Figure, Finding, Stopped, Task};
 use crate::physics::theory::ridge::{
     self, FLATTENING_PRINTED, THIN_CONSTANT, THIN_CONSTANT_PRINTED,
 };
@@ -53,44 +53,40 @@ fn compute(task: &mut Task<'_>) -> Result<Figure, Stopped> {
     Ok(ENTRY.figure(vec![panel], words, findings))
 }
 
-/// A line of `points` + 1 points, x from `low` to `high` in equal ratios.
-fn curve(
-    name: &str,
-    role: Role,
-    colour: Colour,
-    [low, high]: [f64; 2],
-    y: impl Fn(f64) -> f64,
-) -> Series {
-    let x = |i: usize| low * (high / low).powf(i as f64 / 200.0);
-    let points = (0..=200).map(|i| [x(i), y(x(i))]).collect();
-    Series::line(name, role, colour, points)
+/// Places from `low` to `high` in equal ratios.
+fn places([low, high]: [f64; 2]) -> impl Iterator<Item = f64> {
+    (0..=200).map(move |i| low * (high / low).powf(f64::from(i) / 200.0))
 }
 
 fn lines() -> Vec<Series> {
     let thin = |c| move |abar: f64| ridge::thin(abar, c);
     vec![
-        curve("exact", Role::Theory, Colour::Ink, [0.01, 0.95], |abar| {
-            ridge::elastic_energy(1.0 - abar)[0]
-        }),
-        curve(
+        Series::curve(
+            "exact",
+            Role::Theory,
+            Colour::Ink,
+            places([0.01, 0.95]),
+            |abar| ridge::elastic_energy(1.0 - abar)[0],
+        ),
+        Series::curve(
             "thick, Eq. 22",
             Role::Theory,
             Colour::Blue,
-            [0.01, 0.95],
+            places([0.01, 0.95]),
             |abar| ridge::thick(1.0 - abar),
         ),
-        curve(
+        Series::curve(
             "thin, Eq. 22 corrected",
             Role::Theory,
             Colour::Red,
-            [0.01, 0.45],
+            places([0.01, 0.45]),
             thin(THIN_CONSTANT),
         ),
-        curve(
+        Series::curve(
             "thin, Eq. A7 printed",
             Role::Printed,
             Colour::Red,
-            [0.01, 0.45],
+            places([0.01, 0.45]),
             thin(THIN_CONSTANT_PRINTED),
         ),
     ]
@@ -110,21 +106,21 @@ fn inset(slopes: &[Sample]) -> Panel {
         x: Axis::linear("α").from_to(range[0], range[1]),
         y: Axis::linear("v̂′").from_to(-2.42, -2.24),
         series: vec![
-            curve("", Role::Theory, Colour::Ink, range, |alpha| {
+            Series::curve("", Role::Theory, Colour::Ink, places(range), |alpha| {
                 ridge::elastic_energy(alpha)[1]
             }),
-            curve(
+            Series::curve(
                 "third order, corrected",
                 Role::Theory,
                 Colour::Orange,
-                range,
+                places(range),
                 |alpha| right.slope_at(alpha),
             ),
-            curve(
+            Series::curve(
                 "third order, printed",
                 Role::Printed,
                 Colour::Orange,
-                range,
+                places(range),
                 |alpha| FLATTENING_PRINTED.slope_at(alpha),
             ),
             symbols("", slopes, |alpha| alpha),

@@ -1,8 +1,8 @@
 //! Fig. 6: the width of a ridge at zero range against displacement.
 
 use super::boundary_elements::ridge_slopes;
-use super::figure::{Entry, Figure, Finding, Stopped, Task};
 use super::scenes;
+use super::{Entry, Figure, Finding, Stopped, Task};
 use crate::physics::theory::ridge::{self, Critical, FLATTENING_PRINTED};
 use crate::plot::panel::{Axis, Colour, Panel, Role, Series, Symbol};
 use crate::plot::scale::steps;
@@ -62,32 +62,32 @@ fn panel(found: Vec<[f64; 2]>) -> Panel {
         x: Axis::linear("ũ₀ = u₀/(γL/E*)^½").from_to(0.0, 0.7),
         y: Axis::linear("α (share of the cell out of contact)").from_to(0.0, 1.0),
         series: vec![
-            curve(
+            Series::curve(
                 "exact",
                 Role::Theory,
                 Colour::Ink,
-                [0.0, end.displacement],
+                places([0.0, end.displacement]),
                 exact,
             ),
-            curve(
+            Series::curve(
                 "thick, Eq. 23",
                 Role::Theory,
                 Colour::Blue,
-                [0.0, 0.7],
+                places([0.0, 0.7]),
                 ridge::thick_alpha,
             ),
-            curve(
+            Series::curve(
                 "flattening, Eq. 24 corrected",
                 Role::Theory,
                 Colour::Orange,
-                [0.5, end.displacement],
+                places([0.5, end.displacement]),
                 expansion(end),
             ),
-            curve(
+            Series::curve(
                 "flattening, Eq. 24 printed",
                 Role::Printed,
                 Colour::Orange,
-                [0.5, (-1.0 / FLATTENING_PRINTED.elastic_energy[1]).sqrt()],
+                places([0.5, (-1.0 / FLATTENING_PRINTED.elastic_energy[1]).sqrt()]),
                 expansion(FLATTENING_PRINTED),
             ),
             Series::symbols("boundary elements", Symbol::Circle, Colour::Ink, found),
@@ -149,15 +149,7 @@ fn findings(worst: f64, thick: f64) -> Vec<Finding> {
     ]
 }
 
-/// A line whose points crowd towards its upper end, where slopes are infinite.
-fn curve(
-    name: &str,
-    role: Role,
-    colour: Colour,
-    [low, high]: [f64; 2],
-    y: impl Fn(f64) -> f64,
-) -> Series {
-    let x = |i: usize| high - (high - low) * (1.0 - i as f64 / 200.0).powi(2);
-    let points = (0..=200).map(|i| [x(i), y(x(i))]).collect();
-    Series::line(name, role, colour, points)
+/// Places that crowd towards their upper end, where slopes are infinite.
+fn places([low, high]: [f64; 2]) -> impl Iterator<Item = f64> {
+    (0..=200).map(move |i| high - (high - low) * (1.0 - f64::from(i) / 200.0).powi(2))
 }

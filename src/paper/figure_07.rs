@@ -1,7 +1,7 @@
 //! Fig. 7: the ridge alone, for two ranges of adhesion, against the ridge of zero range.
 
-use super::figure::{Entry, Figure, Finding, Stopped, Task};
 use super::scenes::{ends, line_cell, on_part, ridges, thinned, units};
+use super::{Entry, Figure, Finding, Stopped, Task};
 use crate::follow::record::Direction;
 use crate::follow::run::LoopRun;
 use crate::physics::theory::ridge::{self, FLATTENING_PRINTED};

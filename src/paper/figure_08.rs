@@ -1,7 +1,7 @@
 //! Fig. 8: what a coarse mesh does to the ridge: jumps that belong to the mesh from point to point.
 
-use super::figure::{Entry, Figure, Finding, Stopped, Task};
 use super::scenes::{ends, line_cell, on_part, reduced, units};
+use super::{Entry, Figure, Finding, Stopped, Task};
 use crate::follow::record::Direction;
 use crate::follow::run::LoopRun;
 use crate::physics::pattern::Pattern;

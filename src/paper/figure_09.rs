@@ -1,8 +1,8 @@
 //! Fig. 9: the elastic energy of dimple and bulge at zero range.
 
 use super::boundary_elements::{self, Estimate, unsolved};
-use super::figure::{Entry, Figure, Finding, Stopped, Task};
 use super::scenes;
+use super::{Entry, Figure, Finding, Stopped, Task};
 use crate::physics::theory::circular::{self, Kind, Pattern};
 use crate::plot::panel::{Axis, Colour, Panel, Role, Series, Symbol};
 
@@ -78,38 +78,38 @@ fn series(dimples: &[(f64, Estimate)], bulges: &[(f64, Estimate)]) -> Vec<Series
     let (theory, printed) = (Role::Theory, Role::Printed);
     let (all, low) = ([0.021, 0.97], [0.021, 0.9]);
     vec![
-        curve("dimple", theory, Colour::Red, low, |abar| {
+        Series::curve("dimple", theory, Colour::Red, places(low), |abar| {
             dimple.elastic_energy(1.0 - abar)[0]
         }),
-        curve(
+        Series::curve(
             "3/(2α³), Eq. 28 corrected",
             theory,
             Colour::Orange,
-            low,
+            places(low),
             |abar| circular::small_dimple(1.0 - abar),
         ),
-        curve(
+        Series::curve(
             "dimple, Eq. 28 printed",
             printed,
             Colour::Red,
-            low,
+            places(low),
             |abar| circular::small_dimple_printed(1.0 - abar),
         ),
-        curve("bulge", theory, Colour::Blue, all, |abar| {
+        Series::curve("bulge", theory, Colour::Blue, places(all), |abar| {
             bulge.elastic_energy(abar)[0]
         }),
-        curve(
+        Series::curve(
             "(1 − α)/2, Eq. 28 corrected",
             theory,
             Colour::Teal,
-            all,
+            places(all),
             circular::small_bulge,
         ),
-        curve(
+        Series::curve(
             "bulge, Eq. 28 printed",
             printed,
             Colour::Blue,
-            all,
+            places(all),
             circular::small_bulge_printed,
         ),
         symbols(
@@ -129,21 +129,11 @@ fn series(dimples: &[(f64, Estimate)], bulges: &[(f64, Estimate)]) -> Vec<Series
     ]
 }
 
-/// A line, dense towards both ends of a logarithmic axis.
-fn curve(
-    name: &str,
-    role: Role,
-    colour: Colour,
-    [low, high]: [f64; 2],
-    y: impl Fn(f64) -> f64,
-) -> Series {
+/// Places from `low` to `high`, dense towards both ends of a logarithmic axis.
+fn places([low, high]: [f64; 2]) -> impl Iterator<Item = f64> {
     // Equal steps of ln(x/(1 - x)).
-    let logit = |x: f64| (x / (1.0 - x)).ln();
-    let x = |i: usize| {
-        1.0 / (1.0 + (-logit(low) - (logit(high) - logit(low)) * i as f64 / 200.0).exp())
-    };
-    let points = (0..=200).map(|i| [x(i), y(x(i))]).collect();
-    Series::line(name, role, colour, points)
+    let [from, to] = [low, high].map(|x: f64| (x / (1.0 - x)).ln());
+    (0..=200).map(move |i| 1.0 / (1.0 + (-from - (to - from) * f64::from(i) / 200.0).exp()))
 }
 
 /// Relative deviation from the series, the largest.

@@ -1,7 +1,7 @@
 //! Fig. 10: pressure of the dimple in reduced units, for two ranges and for none.
 
-use super::figure::{Entry, Figure, Finding, Stopped, Task};
-use super::scenes::{self, units_of};
+use super::scenes::{self, decided, units_of};
+use super::{Entry, Figure, Finding, Stopped, Task};
 use crate::follow::atlas::{Atlas, Meshes};
 use crate::physics::pattern::Pattern;
 use crate::physics::theory::circular;
@@ -32,7 +32,7 @@ struct Branch {
 
 fn dimple(scene: &Scene, points: usize, task: &mut Task<'_>) -> Result<Branch, Stopped> {
     let failed = |what: String| Stopped::Failed(format!("{}: {what}", scene.title));
-    let model = scene.model().map_err(|error| failed(error.to_string()))?;
+    let model = decided(scene)?;
     let Turn::At(turn) = scene.drive.turn else {
         return Err(failed("turns at zero load".to_owned()));
     };

@@ -1,7 +1,7 @@
 //! Fig. 11: what a loop loses, against the range of the adhesion.
 
-use super::figure::{Entry, Figure, Finding, Stopped, Task};
 use super::scenes::{self, line_cell, units, walked};
+use super::{Entry, Figure, Finding, Stopped, Task};
 use crate::follow::walk::WalkOptions;
 use crate::physics::law::{Cosine, Law, Morse, Shape};
 use crate::physics::mesh_rule::points_at;

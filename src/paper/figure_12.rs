@@ -1,8 +1,8 @@
 //! Fig. 12: force against displacement of a Hertzian tip.
 
-use super::figure::{Entry, Figure, Finding, Stopped, Task};
 use super::figure_13;
 use super::scenes::{self, TIP, Tip, TipDrive};
+use super::{Entry, Figure, Finding, Stopped, Task};
 use crate::physics::theory::jkr::Contact;
 use crate::physics::theory::tabor_of_mesh;
 use crate::plot::panel::{Axis, Colour, Panel, Role, Series};

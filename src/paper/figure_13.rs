@@ -1,7 +1,7 @@
 //! Fig. 13: pull-off force and dissipated energy of a Hertzian tip against the mesh.
 
-use super::figure::{Entry, Figure, Finding, Stopped, Task};
 use super::scenes::{self, Order, TIP, Tip, TipDrive};
+use super::{Entry, Figure, Finding, Stopped, Task};
 use crate::plot::panel::{Axis, Colour, Panel, Role, Series, Symbol};
 use crate::scene::part::Part;
 

@@ -1,7 +1,7 @@
 //! Fig. 14: the cohesive law that rough ground shows from far away.
 
-use super::figure::{Entry, Figure, Finding, Size, Stopped, Task};
 use super::scenes;
+use super::{Entry, Figure, Finding, Size, Stopped, Task};
 use crate::follow::record::{Direction, LoopRecord};
 use crate::paper::measured_law::{Fit, MeasuredLaw, Row, fit};
 use crate::physics::indenter::Indenter;

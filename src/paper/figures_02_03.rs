@@ -2,8 +2,8 @@
 //! against u0/rho, with gap maps: in a cell of 256 ranges, with four patterns on the way, and in
 //! one four times as long, where the bulge is missing.
 
-use super::figure::{Entry, Figure, Finding, Size, Stopped, Task};
 use super::scenes::{self, planned};
+use super::{Entry, Figure, Finding, Size, Stopped, Task};
 use crate::follow::record::{Cause, Direction, JumpRecord, LoopRecord};
 use crate::follow::run::{Landing, LoopRun};
 use crate::physics::law::Law;

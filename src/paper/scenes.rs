@@ -2,7 +2,7 @@
 //! the figures, run by a walk or as planned, with what is read off them, reduced by [`Units`]; the
 //! loops of the Hertzian tip behind Figs 12 and 13 among them.
 
-use super::figure::{Stopped, Task};
+use super::{Stopped, Task};
 use crate::follow::record::{Direction, StateRecord};
 use crate::follow::run::{LoopRun, Outcome, Report, run_loop};
 use crate::follow::walk::WalkOptions;
@@ -190,7 +190,7 @@ pub(super) fn planned(
     task: &mut Task<'_>,
     what: &str,
 ) -> Result<(LoopRun, Model), Stopped> {
-    let model = scene.model().map_err(|error| refused(scene, error))?;
+    let model = decided(scene)?;
     let plan = plan(scene, &model, None);
     let run = closed(scene, task, what, |cancel, observe| {
         run_as_planned(scene, MethodKind::NewtonKrylov, &plan, cancel, observe)
@@ -227,8 +227,13 @@ fn closed(
     }
 }
 
+/// The scene with everything decided.
+pub(super) fn decided(scene: &Scene) -> Result<Model, Stopped> {
+    scene.model().map_err(|error| refused(scene, error))
+}
+
 /// A value of the scene that is not allowed.
-pub(super) fn refused(scene: &Scene, error: Refusal) -> Stopped {
+fn refused(scene: &Scene, error: Refusal) -> Stopped {
     Stopped::Failed(format!("{}: {error}", scene.title))
 }
 
@@ -449,11 +454,7 @@ pub fn run(order: &Order, task: &mut Task<'_>) -> Result<Tip, Stopped> {
         TipDrive::Load => scene = by_load(scene),
     }
     scene.title += &format!(", n = {points}");
-    let range = scene
-        .model()
-        .map_err(|error| refused(&scene, error))?
-        .law
-        .range;
+    let range = decided(&scene)?.law.range;
     let options = WalkOptions {
         part,
         trapped_within: (mu_rho >= TRAPS).then_some(TRAPPED_WITHIN),

@@ -5,7 +5,7 @@ use super::panel::{Axis, Colour, Label, Page, Panel, Role, Series, Symbol, lette
 use super::scale::digits;
 use crate::scene::part::Strategy;
 use crate::solver::methods::MethodKind;
-use crate::study::chart::{Chart, Judged, Point, Saved, Verdict, front, saved};
+use crate::study::chart::{Chart, Judged, Point, Saved, Verdict, on_front, saved};
 
 /// Height of the strip at the top, as a factor of the error's axis: the place of loops that have no
 /// error.
@@ -202,17 +202,9 @@ impl<'a> ChartPanel<'a> {
 
     /// Which rows nothing else beats.
     fn best(&self) -> Vec<&Judged> {
-        let floor = self.floor.unwrap_or(0.0);
-        let error = |row: &Judged| match row.verdict {
-            Verdict::Done => row.errors.dissipated_energy.max(floor),
-            _ => f64::NAN,
-        };
-        let pairs: Vec<(f64, f64)> = self
-            .rows
-            .iter()
-            .map(|row| (self.cost.of(row), error(row)))
-            .collect();
-        let on = front(&pairs);
+        let on = on_front(self.rows, self.floor.unwrap_or(0.0), |row| {
+            self.cost.of(row)
+        });
         self.rows
             .iter()
             .zip(on)

@@ -260,6 +260,17 @@ impl Series {
         }
     }
 
+    /// The line of a function at these places.
+    pub fn curve(
+        name: &str,
+        role: Role,
+        colour: Colour,
+        places: impl Iterator<Item = f64>,
+        value: impl Fn(f64) -> f64,
+    ) -> Self {
+        Self::line(name, role, colour, places.map(|x| [x, value(x)]).collect())
+    }
+
     /// A line gone in this direction, as it was computed.
     pub fn gone(direction: Direction, points: Vec<[f64; 2]>) -> Self {
         Self {

@@ -6,7 +6,7 @@
 use super::panel::{Axis, Panel, Spread};
 use crate::physics::indenter::Indenter;
 use crate::scene::units::unsigned_zero;
-use crate::scene::{Model, Scene, window};
+use crate::scene::{Model, Scene};
 
 /// The least and the largest of some numbers; infinite, the wrong way round, if there are none.
 pub fn ends(numbers: impl IntoIterator<Item = f64>) -> (f64, f64) {
@@ -145,7 +145,7 @@ pub fn gap_scale(scene: &Scene, model: &Model) -> f64 {
 pub fn stress_scale(scene: &Scene, model: &Model) -> (f64, f64) {
     let law = &model.law;
     if model.indenter == Indenter::Flat {
-        let at_turn = law.at(window::of_u0(scene, model)[0]).traction / law.traction_max();
+        let at_turn = law.at(scene.window_of_u0(model)[0]).traction / law.traction_max();
         return (at_turn.clamp(-1.5, 0.0) - 0.06, 1.08);
     }
     // Between full contact and a few asperities nothing is known beforehand.

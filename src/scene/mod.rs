@@ -8,7 +8,6 @@ pub mod edit;
 pub mod parameter;
 pub mod part;
 pub mod units;
-pub mod window;
 
 use crate::physics::body::Body;
 use crate::physics::control::Control;
@@ -16,7 +15,8 @@ use crate::physics::grid::{Grid, POINTS_MAX};
 use crate::physics::indenter::Indenter;
 use crate::physics::law::{Law, Shape};
 use crate::physics::mesh_rule::{self, next_fast, points_for};
-use crate::physics::parameter::{Parameter, Refusal, Value, number};
+use crate::physics::parameter::{Refusal, number};
+use crate::physics::theory::boundary;
 use units::Units;
 
 /// A complete description of what is computed. The contact modulus E* is 1; lengths are in any one
@@ -164,6 +164,9 @@ const STEPS_MAX: f64 = 2e5;
 /// The least step as a share of |u0|: a smaller one is lost in the digits of u0.
 const STEP_SHARE: f64 = 1e-10;
 
+/// Step of a drive of u0 in place of another, in ranges.
+const U0_STEP: f64 = 0.1;
+
 impl Scene {
     /// What drives the mean displacement u0 of the surface: the machine, and in series with it the
     /// layer between its plate and the surface. The sum of their stretches is what is driven, so
@@ -200,63 +203,62 @@ impl Scene {
         }
     }
 
+    /// Ends of what is driven (lower, upper; length, E* of a load).
+    pub fn window_of_control(&self, model: &Model) -> (f64, f64) {
+        let lower = match self.drive.turn {
+            Turn::At(turn) => turn,
+            Turn::ZeroLoad => -0.6 * model.indenter.ground().relief(&model.law) - model.law.range,
+        };
+        (lower, self.drive.start)
+    }
+
+    /// Ends of u0 (lower, upper; length) on the drive.
+    pub fn window_of_u0(&self, model: &Model) -> [f64; 2] {
+        let (control, law) = (self.control(), &model.law);
+        let (lower, upper) = self.window_of_control(model);
+        if !control.frees_mean() {
+            return [lower, upper];
+        }
+        // The machine pulls where the body does not touch.
+        let upper = match control {
+            Control::Load => Control::stop(law),
+            _ => upper,
+        };
+        if model.indenter != Indenter::Flat {
+            let depth = 0.6 * model.indenter.ground().relief(law) + law.range;
+            return [-depth, upper];
+        }
+        // The flat state in contact that the turn holds; a Mie law has no gap at or below zero.
+        let contact = law.equilibrium_gap();
+        let pressed = |gap: f64| {
+            let [held, _] = control.balanced(gap, law.at(gap).traction);
+            !(held >= lower)
+        };
+        let deepest = contact - 0.9 * law.contact_gap().max(contact);
+        [boundary(deepest, law.contact_gap(), pressed), upper]
+    }
+
+    /// The same scene with u0 driven over the window of u0.
+    pub fn at_fixed_u0(&self, model: &Model) -> Self {
+        let mut fixed = self.clone();
+        if self.control().frees_mean() {
+            let [lower, upper] = self.window_of_u0(model);
+            fixed.drive = Drive {
+                control: Control::Displacement,
+                start: upper,
+                turn: Turn::At(lower),
+                step: U0_STEP * model.law.range,
+            };
+        }
+        fixed
+    }
+
     /// Checks every value.
     ///
     /// # Errors
     /// The first value that is not allowed.
     pub fn validate(&self) -> Result<(), Refusal> {
         self.model().map(|_| ())
-    }
-
-    /// Every number that the scene's file gives, with what is allowed of it.
-    pub fn numbers(&self) -> Vec<(&'static Parameter, Value)> {
-        let Self {
-            cell,
-            body,
-            law,
-            indenter,
-            drive,
-            accuracy,
-            seed,
-            units,
-            ..
-        } = &self.given();
-        let mut numbers = Vec::new();
-        // Without E* no other number has a meaning.
-        if let Some(units) = units {
-            let modulus = Value::Number(units.contact_modulus);
-            numbers.push((&parameter::CONTACT_MODULUS, modulus));
-            let temperature = Value::Number(units.temperature);
-            numbers.push((&parameter::TEMPERATURE, temperature));
-        }
-        numbers.extend([
-            (&parameter::LENGTH, Value::Number(cell.length)),
-            (
-                &parameter::SURFACE_ENERGY,
-                Value::Number(law.surface_energy),
-            ),
-            (&parameter::START, Value::Number(drive.start)),
-            (&parameter::STEP, Value::Number(drive.step)),
-            (&parameter::TARGET, Value::Number(*accuracy)),
-            (&parameter::SEED, Value::Whole(*seed)),
-        ]);
-        if let Points::Square(n) | Points::Line(n) = cell.points {
-            numbers.push((&parameter::POINTS, Value::Whole(n as u64)));
-        }
-        numbers.extend(body.parameters().iter().zip(body.values()));
-        numbers.extend(law.shape.parameters().iter().zip(law.shape.values()));
-        numbers.push(match law.range {
-            Range::Length(range) => (&parameter::RANGE, Value::Number(range)),
-            Range::MuRho(mu_rho) => (&parameter::MU_RHO, Value::Number(mu_rho)),
-        });
-        numbers.extend(indenter.parameters().iter().zip(indenter.values()));
-        if let Control::Spring { stiffness } = drive.control {
-            numbers.push((&parameter::STIFFNESS, Value::Number(stiffness)));
-        }
-        if let Turn::At(turn) = drive.turn {
-            numbers.push((&parameter::TURN, Value::Number(turn)));
-        }
-        numbers
     }
 
     /// Decides what the scene leaves open: mesh, range, mu_rho.
@@ -460,6 +462,26 @@ fn even(n: usize) -> Result<usize, Refusal> {
         Ok(n)
     } else {
         Err(parameter::POINTS.refuse(n))
+    }
+}
+
+/// The windows of a scene, as other rooms name them.
+pub mod window {
+    use super::{Model, Scene};
+
+    /// [`Scene::window_of_control`].
+    pub fn of_control(scene: &Scene, model: &Model) -> (f64, f64) {
+        scene.window_of_control(model)
+    }
+
+    /// [`Scene::window_of_u0`].
+    pub fn of_u0(scene: &Scene, model: &Model) -> [f64; 2] {
+        scene.window_of_u0(model)
+    }
+
+    /// [`Scene::at_fixed_u0`].
+    pub fn at_fixed_u0(scene: &Scene, model: &Model) -> Scene {
+        scene.at_fixed_u0(model)
     }
 }
 

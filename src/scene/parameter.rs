@@ -3,7 +3,9 @@
 //!
 //! What ties two values together (a turn below its start) is in [`super::Scene::model`].
 
+use super::{Points, Range, Scene, Turn};
 use crate::physics::body::Body;
+use crate::physics::control::Control;
 use crate::physics::grid::POINTS_MAX;
 use crate::physics::indenter::Indenter;
 use crate::physics::law::Shape;
@@ -87,4 +89,54 @@ pub fn all() -> Vec<&'static Parameter> {
             .flat_map(table),
     );
     all
+}
+
+impl Scene {
+    /// Every number that the scene's file gives, with what is allowed of it.
+    pub fn numbers(&self) -> Vec<(&'static Parameter, Value)> {
+        let Self {
+            cell,
+            body,
+            law,
+            indenter,
+            drive,
+            accuracy,
+            seed,
+            units,
+            ..
+        } = &self.given();
+        let mut numbers = Vec::new();
+        // Without E* no other number has a meaning.
+        if let Some(units) = units {
+            let modulus = Value::Number(units.contact_modulus);
+            numbers.push((&CONTACT_MODULUS, modulus));
+            let temperature = Value::Number(units.temperature);
+            numbers.push((&TEMPERATURE, temperature));
+        }
+        numbers.extend([
+            (&LENGTH, Value::Number(cell.length)),
+            (&SURFACE_ENERGY, Value::Number(law.surface_energy)),
+            (&START, Value::Number(drive.start)),
+            (&STEP, Value::Number(drive.step)),
+            (&TARGET, Value::Number(*accuracy)),
+            (&SEED, Value::Whole(*seed)),
+        ]);
+        if let Points::Square(n) | Points::Line(n) = cell.points {
+            numbers.push((&POINTS, Value::Whole(n as u64)));
+        }
+        numbers.extend(body.parameters().iter().zip(body.values()));
+        numbers.extend(law.shape.parameters().iter().zip(law.shape.values()));
+        numbers.push(match law.range {
+            Range::Length(range) => (&RANGE, Value::Number(range)),
+            Range::MuRho(mu_rho) => (&MU_RHO, Value::Number(mu_rho)),
+        });
+        numbers.extend(indenter.parameters().iter().zip(indenter.values()));
+        if let Control::Spring { stiffness } = drive.control {
+            numbers.push((&STIFFNESS, Value::Number(stiffness)));
+        }
+        if let Turn::At(turn) = drive.turn {
+            numbers.push((&TURN, Value::Number(turn)));
+        }
+        numbers
+    }
 }

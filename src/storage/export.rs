@@ -15,7 +15,7 @@ pub use studies::{
 
 use super::{Failure, files};
 use crate::follow::record::{JumpRecord, StateRecord};
-use crate::paper::figure::{Figure, Finding, Table};
+use crate::paper::{Figure, Finding, Table};
 use crate::physics::parameter::Dimension;
 use crate::plot::panel::{Axis, Content, Panel, Role, Spread, letter};
 use crate::scene::Scene;

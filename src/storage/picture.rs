@@ -1,18 +1,22 @@
-//! Pictures: the gap field as an image (contact dark), and the scene inside a PNG, so that
-//! a picture opens again as what it shows.
+//! What a surface looks and sounds like. The gap field as an image (contact dark), and the scene
+//! inside a PNG, so that a picture opens again as what it shows; films, the surface along a path as
+//! an animated GIF or PNG, in the colours of the map, with a bar beneath that says how far the drive
+//! is; the click of a jump, as a file that programs which play sounds take.
 //!
 //! A PNG is a signature and a row of chunks: length, name, data, checksum. The scene is one more,
 //! uncompressed text (iTXt) under a keyword of its own, right after the header.
 
-use super::{Failure, files, heights, scene_file, session};
-use crate::physics::topography::Topography;
+use super::{Failure, files, scene_file};
 use crate::plot::scale::ends;
 use crate::plot::style::Colours;
 use crate::scene::Scene;
 use image::{ImageFormat, Rgb, RgbImage};
 use ndarray::Array2;
-use std::io::Cursor;
+use std::borrow::Cow;
+use std::f64::consts::TAU;
+use std::io::{Cursor, Error, ErrorKind, Write};
 use std::path::Path;
+use tempfile::{Builder, NamedTempFile};
 
 /// Encodes as PNG and writes the file whole.
 pub(super) fn write_png(path: &Path, image: &RgbImage) -> Result<(), Failure> {
@@ -104,67 +108,6 @@ const HEADER: usize = 8 + 12 + 13;
 /// Largest picture that is read, in bytes.
 const BYTES_MAX: u64 = 1 << 26;
 
-/// The scene of a regular file, told by its content and not by its name.
-///
-/// # Errors
-/// A file that cannot be read, or that holds no allowed scene.
-pub fn open_scene(path: &Path) -> Result<Scene, Failure> {
-    scene_in(path, files::read_regular(path, session::BYTES_MAX)?)
-}
-
-/// The scene in the bytes of a file.
-///
-/// # Errors
-/// What holds no allowed scene.
-pub(super) fn scene_in(path: &Path, bytes: Vec<u8>) -> Result<Scene, Failure> {
-    if is_png(&bytes) {
-        scene_of(path, &bytes)
-    } else if session::is_session(&bytes) {
-        session::scene_of(path, &bytes)
-    } else {
-        scene_file::scene_of(path, bytes)
-    }
-}
-
-/// What a file holds.
-#[derive(Debug)]
-pub enum Opened {
-    /// A scene.
-    Scene(Scene),
-    /// The bytes of a session.
-    Session(Vec<u8>),
-    /// Measured heights.
-    Heights(Topography),
-}
-
-/// The scene, session or heights of a regular file. A scene is a picture that holds one, a file
-/// named `.toml`, or text with a line that begins with `format` or a bracket.
-///
-/// # Errors
-/// A file that cannot be read, or that holds none of them.
-pub fn open(path: &Path) -> Result<Opened, Failure> {
-    let bytes = files::read_regular(path, session::BYTES_MAX)?;
-    if is_png(&bytes) {
-        let carried = chunks(&bytes).find(|(kind, _)| kind == SESSION);
-        return match carried {
-            Some((_, session)) => Ok(Opened::Session(session.to_vec())),
-            None => scene_of(path, &bytes).map(Opened::Scene),
-        };
-    }
-    let named = path
-        .extension()
-        .is_some_and(|end| end.eq_ignore_ascii_case("toml"));
-    let is_key = |line: &str| line.starts_with("format") || line.starts_with('[');
-    let has_keys = || std::str::from_utf8(&bytes).is_ok_and(|text| text.lines().any(is_key));
-    if session::is_session(&bytes) {
-        Ok(Opened::Session(bytes))
-    } else if named || has_keys() {
-        scene_file::scene_of(path, bytes).map(Opened::Scene)
-    } else {
-        heights::of_bytes(path, &bytes).map(Opened::Heights)
-    }
-}
-
 /// Puts the scene into a PNG that has been written, and the bytes of a session where they are few
 /// enough.
 ///
@@ -198,15 +141,21 @@ fn carrying(mut bytes: Vec<u8>, scene: &Scene, session: Option<&[u8]>) -> Vec<u8
 }
 
 /// True if this is the beginning of a PNG.
-fn is_png(bytes: &[u8]) -> bool {
+pub(super) fn is_png(bytes: &[u8]) -> bool {
     bytes.starts_with(SIGNATURE)
+}
+
+/// The session inside the bytes of a PNG.
+pub(super) fn session_in(bytes: &[u8]) -> Option<&[u8]> {
+    let mut chunks = chunks(bytes);
+    chunks.find_map(|(kind, data)| (kind == SESSION).then_some(data))
 }
 
 /// The scene inside the bytes of a PNG.
 ///
 /// # Errors
 /// One without a scene, or with one that is not allowed.
-fn scene_of(path: &Path, bytes: &[u8]) -> Result<Scene, Failure> {
+pub(super) fn scene_of(path: &Path, bytes: &[u8]) -> Result<Scene, Failure> {
     let name = path.display().to_string();
     let text = chunks(bytes).find_map(|(kind, data)| {
         let rest = data.strip_prefix(KEYWORD)?.strip_prefix(&[0, 0, 0, 0, 0])?;
@@ -265,10 +214,233 @@ fn chunk(name: &[u8; 4], data: &[u8]) -> Vec<u8> {
     bytes
 }
 
+/// In what file.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum FilmKind {
+    /// An animated GIF.
+    Gif,
+    /// An animated PNG.
+    Apng,
+}
+
+/// A picture of a film.
+#[derive(Clone, Debug)]
+pub struct Shot {
+    /// Gap (length), shape (ny, nx).
+    pub gap: Array2<f64>,
+    /// Where the control is in its drive, 0 to 1.
+    pub place: f64,
+}
+
+/// Hundredths of a second for which a picture is shown.
+const DELAY: u16 = 5;
+/// Colours of the gap; after them those of the bar: its ground, and its mark.
+const COLOURS: usize = 254;
+const GROUND: [u8; 3] = [60, 60, 60];
+const MARK: [u8; 3] = [255, 255, 255];
+/// Height of the bar and half the width of its mark, in pixels.
+const BAR: usize = 8;
+const HALF: usize = 3;
+
+/// Writes a film of so many pictures, whose last colour is a gap of `top` (length). `goes_on`
+/// hears after each picture which share is done, and ends it by a no: nothing is left of it then.
+///
+/// # Errors
+/// A file that cannot be written, or one that was given up.
+pub fn write_film(
+    path: &Path,
+    kind: FilmKind,
+    (shots, count): (impl Iterator<Item = Shot>, usize),
+    (top, colours): (f64, Colours),
+    goes_on: &mut dyn FnMut(f64) -> bool,
+) -> Result<(), Failure> {
+    files::write_by(path, |file| {
+        let mut writer: Option<Film<&mut std::fs::File>> = None;
+        let mut file = Some(file);
+        for (index, shot) in shots.enumerate() {
+            let image = Image::of(&shot, top);
+            if let Some(file) = file.take() {
+                writer = Some(Film::begin((kind, colours), file, &image, count)?);
+            }
+            if let Some(writer) = &mut writer {
+                writer.add(&image)?;
+            }
+            if !goes_on((index + 1) as f64 / count as f64) {
+                return Err(Error::new(ErrorKind::Interrupted, "it was given up"));
+            }
+        }
+        writer.map_or_else(|| Err(Error::other("there is nothing to show")), Film::end)
+    })
+}
+
+/// A picture as numbers of colours.
+struct Image {
+    width: usize,
+    height: usize,
+    pixels: Vec<u8>,
+}
+
+impl Image {
+    /// Each point a square of equal pixels, y upwards; a line cell becomes a band.
+    fn of(shot: &Shot, top: f64) -> Self {
+        let (rows, columns) = shot.gap.dim();
+        let across = SIDE_MIN.div_ceil(columns.max(1));
+        let up = if rows == 1 {
+            (across * columns).div_ceil(4)
+        } else {
+            across
+        };
+        let (width, map) = (columns * across, rows * up);
+        let mut pixels = Vec::with_capacity(width * (map + BAR));
+        for y in 0..map {
+            for x in 0..width {
+                let gap = shot.gap[[rows - 1 - y / up, x / across]];
+                let share = (gap / top).clamp(0.0, 1.0);
+                pixels.push((share * (COLOURS - 1) as f64).round() as u8);
+            }
+        }
+        let mark = (shot.place.clamp(0.0, 1.0) * (width - 1) as f64) as usize;
+        for _ in 0..BAR {
+            pixels.extend((0..width).map(|x| COLOURS as u8 + u8::from(x.abs_diff(mark) <= HALF)));
+        }
+        Self {
+            width,
+            height: map + BAR,
+            pixels,
+        }
+    }
+}
+
+/// Red, green and blue of every colour.
+fn palette(colours: Colours) -> Vec<u8> {
+    let gaps = (0..COLOURS).flat_map(|k| colours.at(k as f64 / (COLOURS - 1) as f64));
+    gaps.chain(GROUND).chain(MARK).collect()
+}
+
+/// A film that is being written.
+enum Film<W: Write> {
+    Gif(gif::Encoder<W>),
+    Apng(png::Writer<W>),
+}
+
+impl<W: Write> Film<W> {
+    fn begin(
+        (kind, colours): (FilmKind, Colours),
+        file: W,
+        first: &Image,
+        count: usize,
+    ) -> Result<Self, Error> {
+        let (width, height) = (first.width, first.height);
+        Ok(match kind {
+            FilmKind::Gif => {
+                let side = |n: usize| u16::try_from(n).map_err(Error::other);
+                let (width, height) = (side(width)?, side(height)?);
+                let encoder = gif::Encoder::new(file, width, height, &palette(colours));
+                let mut encoder = encoder.map_err(Error::other)?;
+                let repeats = encoder.set_repeat(gif::Repeat::Infinite);
+                repeats.map_err(Error::other)?;
+                Self::Gif(encoder)
+            }
+            FilmKind::Apng => {
+                let mut encoder = png::Encoder::new(file, width as u32, height as u32);
+                encoder.set_color(png::ColorType::Indexed);
+                encoder.set_depth(png::BitDepth::Eight);
+                encoder.set_palette(palette(colours));
+                encoder
+                    .set_animated(count as u32, 0)
+                    .map_err(Error::other)?;
+                encoder.set_frame_delay(DELAY, 100).map_err(Error::other)?;
+                Self::Apng(encoder.write_header().map_err(Error::other)?)
+            }
+        })
+    }
+
+    fn add(&mut self, image: &Image) -> Result<(), Error> {
+        match self {
+            Self::Gif(encoder) => {
+                let frame = gif::Frame {
+                    width: image.width as u16,
+                    height: image.height as u16,
+                    delay: DELAY,
+                    buffer: Cow::Borrowed(&image.pixels),
+                    ..gif::Frame::default()
+                };
+                encoder.write_frame(&frame).map_err(Error::other)
+            }
+            Self::Apng(writer) => writer.write_image_data(&image.pixels).map_err(Error::other),
+        }
+    }
+
+    fn end(self) -> Result<(), Error> {
+        match self {
+            Self::Gif(encoder) => encoder.into_inner().map_err(Error::other).map(drop),
+            Self::Apng(writer) => writer.finish().map_err(Error::other),
+        }
+    }
+}
+
+/// Samples a second, the lowest that every device takes.
+const RATE: u32 = 44_100;
+/// The tone (Hz), and the time in which it fades by a factor e (seconds): a tick of a few milliseconds.
+const TONE: f64 = 1_600.0;
+const FADE: f64 = 0.0015;
+/// Silence before it, and all of it (seconds): a server of sound may swallow the first milliseconds of
+/// a stream (PulseAudio 16: eight), and a player end before the last are heard.
+const LEAD: f64 = 0.04;
+const LENGTH: f64 = 0.12;
+/// Its first sample as a share of the largest that there is.
+const LOUDNESS: f64 = 0.6;
+
+/// The click in a temporary file, which is there as long as this.
+///
+/// # Errors
+/// There is no folder for temporary files, or no room in it.
+pub fn click() -> std::io::Result<NamedTempFile> {
+    let mut file = Builder::new()
+        .prefix("tackscope-click-")
+        .suffix(".wav")
+        .tempfile()?;
+    file.write_all(&wav(&samples()))?;
+    file.flush()?;
+    Ok(file)
+}
+
+fn samples() -> Vec<i16> {
+    let count = (LENGTH * f64::from(RATE)) as u32;
+    let times = (0..count).map(|k| f64::from(k) / f64::from(RATE));
+    let wave = |t: f64| match t - LEAD {
+        t if t < 0.0 => 0.0,
+        t => LOUDNESS * (-t / FADE).exp() * (TAU * TONE * t).cos(),
+    };
+    times
+        .map(|t| (wave(t) * f64::from(i16::MAX)) as i16)
+        .collect()
+}
+
+/// One channel of 16 bits a sample as a WAV file.
+fn wav(samples: &[i16]) -> Vec<u8> {
+    const FORMAT: u32 = 16;
+    let bytes = 2 * samples.len() as u32;
+    let mut file = b"RIFF".to_vec();
+    file.extend((4 + 8 + FORMAT + 8 + bytes).to_le_bytes());
+    file.extend(b"WAVEfmt ");
+    file.extend(FORMAT.to_le_bytes());
+    // Plain samples, one channel.
+    file.extend([1, 0, 1, 0]);
+    file.extend(RATE.to_le_bytes());
+    file.extend((2 * RATE).to_le_bytes());
+    // Bytes and bits of a sample.
+    file.extend([2, 0, 16, 0]);
+    file.extend(b"data");
+    file.extend(bytes.to_le_bytes());
+    file.extend(samples.iter().flat_map(|sample| sample.to_le_bytes()));
+    file
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::storage::presets;
+    use crate::storage::{open_scene, presets};
     use ndarray::array;
 
     fn own_colours(gap: &Array2<f64>) -> RgbImage {
@@ -365,5 +537,34 @@ mod tests {
         assert!(!path.exists() && open_scene(&path).is_err() && open_scene(folder.path()).is_err());
         files::write_whole(&path, b"12345678").unwrap();
         assert!(files::read_regular(&path, 8).is_ok() && files::read_regular(&path, 7).is_err());
+    }
+
+    /// By the layout of the format: every length where a reader looks for it.
+    #[test]
+    fn the_click_is_a_wav_file_with_a_tick_of_ten_milliseconds_between_two_silences() {
+        let file = click().unwrap();
+        let bytes = std::fs::read(file.path()).unwrap();
+        let number = |at: usize| u32::from_le_bytes(bytes[at..at + 4].try_into().unwrap());
+        assert_eq!(
+            [&bytes[..4], &bytes[8..16], &bytes[36..40]],
+            [&b"RIFF"[..], b"WAVEfmt ", b"data"]
+        );
+        assert_eq!(number(4) as usize, bytes.len() - 8);
+        assert_eq!((number(16), number(24), number(28)), (16, RATE, 2 * RATE));
+        assert_eq!(number(40) as usize, bytes.len() - 44);
+        let heard: Vec<i16> = bytes[44..]
+            .chunks(2)
+            .map(|pair| i16::from_le_bytes([pair[0], pair[1]]))
+            .collect();
+        let loudest = |from: f64, to: f64| {
+            let [from, to] = [from, to].map(|seconds| (seconds * f64::from(RATE)) as usize);
+            let part = heard[from..to.min(heard.len())].iter();
+            part.map(|sample| sample.unsigned_abs()).max().unwrap()
+        };
+        assert!(loudest(0.0, 0.039) == 0 && loudest(0.05, 1.0) < 100);
+        assert!(loudest(0.039, 0.05) > 10_000);
+        let path = file.path().to_owned();
+        drop(file);
+        assert!(!path.exists(), "nothing is left of it");
     }
 }

@@ -1,7 +1,7 @@
 //! Scenes built into the program.
 
 use super::failure::near;
-use super::{Failure, files, picture, scene_file, session};
+use super::{Failure, files, scene_file, scene_in, session};
 use crate::follow::record::Direction;
 use crate::scene::Scene;
 use std::path::Path;
@@ -73,7 +73,7 @@ pub fn resolve(word: &str) -> Result<Scene, Failure> {
     }
     let path = files::typed(Path::new(word))?;
     if path.exists() {
-        return picture::scene_in(&path, files::read_bytes(&path, session::BYTES_MAX)?);
+        return scene_in(&path, files::read_bytes(&path, session::BYTES_MAX)?);
     }
     Err(unknown(word))
 }

@@ -10,7 +10,7 @@ mod points;
 mod read_off;
 
 pub use crate::numerics::precision::Precision;
-pub use judge::{Errors, Judged, Reference, Verdict, front};
+pub use judge::{Errors, Judged, Reference, Verdict, front, on_front};
 pub use points::{Effort, Point, points};
 
 use super::plan::{plan, run_as_planned};

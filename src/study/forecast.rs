@@ -15,7 +15,7 @@ use crate::physics::indenter::Indenter;
 use crate::physics::parameter::Dimension;
 use crate::physics::pattern::Pattern;
 use crate::physics::theory::flat;
-use crate::scene::{Model, Scene, window};
+use crate::scene::{Model, Scene};
 
 /// The bracket reaches this much nearer and farther than the extrapolations do, whose third
 /// differences are not known.
@@ -226,7 +226,7 @@ pub fn ahead(scene: &Scene, model: &Model, record: &LoopRecord) -> String {
                 .to_owned(),
         };
     };
-    let (low, high) = window::of_control(scene, model);
+    let (low, high) = scene.window_of_control(model);
     let (near, far) = (
         ahead.nearest.min(ahead.farthest),
         ahead.nearest.max(ahead.farthest),

@@ -6,7 +6,6 @@
 //! May use `follow` and all below it; no threads, channels or files.
 
 pub mod chart;
-pub mod converge;
 pub mod forecast;
 pub mod ground;
 pub mod landscape;

@@ -3,8 +3,7 @@
 use std::sync::OnceLock;
 use std::time::Instant;
 use tackscope::numerics::cancel::Cancel;
-use tackscope::paper::figure::Figure;
-use tackscope::paper::{Entry, GALLERY, Size, Stopped, TABLES, Task, UNDER_LOAD, scenes};
+use tackscope::paper::{Entry, Figure, GALLERY, Size, Stopped, TABLES, Task, UNDER_LOAD, scenes};
 use tackscope::plot::panel::{Content, Panel, Role};
 use tackscope::storage::presets;
 

@@ -34,42 +34,20 @@ fn a_missing_file_is_named_with_the_presets() {
 
 #[test]
 fn a_scene_file_is_refused_with_its_name() {
-    let cases: [(_, _, &[&str]); 3] = [
-        (
-            "length = 256.0",
-            "length = = 256.0",
-            &["line 9", "column 10", "not TOML"],
-        ),
-        (
-            "length = 256.0",
-            "lenght = 256.0",
-            &["cell.lenght", "did you mean length", "length, points"],
-        ),
-        (
-            "kind = \"morse\"",
-            "kind = \"mie\"\nm = 2.0\nn = 8.0",
-            &["law.m = 2", "above law.n = 8"],
-        ),
-    ];
-    for (line, replacement, parts) in cases {
-        let (file, _kept) = fig2_with(&[(line, replacement)]);
-        refused(&file, &[], &[&[file.as_str()], parts].concat());
-    }
+    let (file, _kept) = fig2_with(&[("length = 256.0", "length = = 256.0")]);
+    refused(&file, &[], &[&file, "line 9", "column 10", "not TOML"]);
 }
 
 #[test]
 fn a_value_of_an_option_is_refused_as_that_of_the_scene_would_be() {
     let above_zero = ["--step NaN", "drive.step = NaN", "a finite number above 0"];
     refused("fig2", &["--step", "nan"], &above_zero);
-    for n in ["63", "0", "1000000"] {
-        let value = format!("cell.points = {n}");
-        let parts = [
-            "fig2 with --points",
-            &value,
-            "an even number from 4 to 4096",
-        ];
-        refused("fig2", &["--points", n], &parts);
-    }
+    let parts = [
+        "fig2 with --points",
+        "cell.points = 63",
+        "an even number from 4 to 4096",
+    ];
+    refused("fig2", &["--points", "63"], &parts);
 }
 
 #[test]

@@ -6,7 +6,7 @@ use std::collections::HashSet;
 use tackscope::numerics::cancel::Cancel;
 use tackscope::physics::theory::flat;
 use tackscope::scene::{Points, Range, Scene};
-use tackscope::study::converge::{convergences, estimate, ladder};
+use tackscope::study::map::{convergences, estimate, ladder};
 use tackscope::study::plan::read_off;
 use tackscope::study::sweep::{Point, Row, Sequence, Spacing, Span, Study, column, grid};
 

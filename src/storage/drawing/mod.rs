@@ -12,7 +12,7 @@ mod tests;
 use super::picture::write_png;
 use super::{Failure, VERSION, files};
 use crate::paper::errata::Erratum;
-use crate::paper::figure::{Figure, Finding, Table};
+use crate::paper::{Figure, Finding, Table};
 use crate::plot::panel::{Page, Panel};
 use crate::plot::typeset::{Script, number, runs};
 use image::RgbImage;

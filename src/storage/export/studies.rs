@@ -11,10 +11,9 @@ use crate::scene::Scene;
 use crate::storage::summary::{Number, SceneSummary, write_json};
 use crate::storage::{Failure, VERSION};
 use crate::study::chart::{Chart, Judged, Verdict};
-use crate::study::converge::Convergence;
 use crate::study::ground::GroundReport;
 use crate::study::landscape::{Ground, Saddle};
-use crate::study::map::PatternMap;
+use crate::study::map::{Convergence, PatternMap};
 use serde::Serialize;
 use std::path::Path;
 

@@ -364,23 +364,21 @@ pub fn front(points: &[(f64, f64)]) -> Vec<bool> {
         .collect()
 }
 
-/// Marks the rows on the fronts of dissipated energy against transforms and against processor time.
-/// Failures are on none; below `floor`, the reference's own error, nothing is told apart.
-pub(super) fn mark(rows: &mut [Judged], floor: f64) {
-    let on_front = |cost: fn(&Judged) -> f64| {
-        let error = |row: &Judged| match row.verdict {
-            Verdict::Done => row.errors.dissipated_energy.max(floor),
-            _ => f64::NAN,
-        };
-        front(
-            &rows
-                .iter()
-                .map(|row| (cost(row), error(row)))
-                .collect::<Vec<_>>(),
-        )
+/// Which rows are on the front of dissipated energy against this cost. Failures are on none; below
+/// `floor`, the reference's own error, nothing is told apart.
+pub fn on_front(rows: &[Judged], floor: f64, cost: impl Fn(&Judged) -> f64) -> Vec<bool> {
+    let error = |row: &Judged| match row.verdict {
+        Verdict::Done => row.errors.dissipated_energy.max(floor),
+        _ => f64::NAN,
     };
-    let by_transforms = on_front(|row| row.transforms as f64);
-    let by_time = on_front(|row| row.processor_seconds);
+    let points = rows.iter().map(|row| (cost(row), error(row)));
+    front(&points.collect::<Vec<_>>())
+}
+
+/// Marks the rows on the fronts of dissipated energy against transforms and against processor time.
+pub(super) fn mark(rows: &mut [Judged], floor: f64) {
+    let by_transforms = on_front(rows, floor, |row| row.transforms as f64);
+    let by_time = on_front(rows, floor, |row| row.processor_seconds);
     for ((row, transforms), time) in rows.iter_mut().zip(by_transforms).zip(by_time) {
         (row.pareto_transforms, row.pareto_time) = (transforms, time);
     }
