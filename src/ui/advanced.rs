@@ -1,12 +1,12 @@
 //! What is folded away in the left panel: the experts' numbers.
 
 use super::action::Action;
+use super::sliders;
 use super::view_state::ViewState;
 use super::widgets::{
     Entry, SEED_MAX, checkbox, choosable, given, labelled, number, own, radio, whole,
 };
 use super::words::explain;
-use super::{machine, sliders};
 use crate::physics::body::Body;
 use crate::scene::edit::{self, Follows};
 use crate::scene::part::Strategy;
@@ -179,7 +179,7 @@ fn law(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {
 
 /// Where the drive starts and turns, and its step.
 fn drive(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {
-    let (drive, told) = (state.scene.drive, machine::told(state));
+    let (drive, told) = (state.scene.drive, state.told());
     let (unit, suffix) = (told.unit, told.suffix.trim());
     let far = -1e4..=1e4;
     if let Some(value) = number(

@@ -2,8 +2,7 @@
 //! commands. Nothing here waits.
 
 use super::action::{Action, FileTask};
-use super::commands::Palette;
-use super::keys;
+use super::commands::{self, Palette};
 use super::tabs::Tabs;
 use super::view_state::ViewState;
 use super::widgets::radio;
@@ -323,7 +322,7 @@ fn help(ctx: &Context, actions: &mut Vec<Action>) {
             .num_columns(2)
             .spacing([18.0, 4.0])
             .show(ui, |ui| {
-                for (key, what) in keys::SHEET {
+                for (key, what) in commands::SHEET {
                     ui.label(RichText::new(key).strong());
                     ui.label(what);
                     ui.end_row();

@@ -5,7 +5,7 @@ use super::action::{Action, ProfileLine, ViewOptions};
 use super::gap_picture::{GapPicture, MapCache, Maps, Segment};
 use super::view_state::ViewState;
 use super::widgets::{described, named};
-use super::{grip, headline, sliders, strip, theme};
+use super::{grip, headline, sliders, theme};
 use crate::lessons::Hidden;
 use crate::physics::parameter::Dimension;
 use crate::plot::{scale, ticks};
@@ -30,6 +30,8 @@ const WAITING: &str = "waiting for the solver …";
 /// Height of the line below the map, and what the profile takes of the column.
 const READING: f32 = 22.0;
 const PROFILE: f32 = 0.24;
+/// Height of the strip below the profile, with its margins.
+pub const STRIP: f32 = 54.0;
 /// The least height of the profile.
 const PROFILE_LEAST: f32 = 84.0;
 /// Width of the slider beside the map, and where there is less room.
@@ -51,7 +53,7 @@ pub fn show(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>, maps: &Ma
     let beside = state.beside();
     // Two maps take what a profile can spare.
     let profile = beside.map_or(PROFILE * ui.available_height(), |_| 0.0);
-    let below = profile.max(PROFILE_LEAST) + strip::HEIGHT + READING + 12.0;
+    let below = profile.max(PROFILE_LEAST) + STRIP + READING + 12.0;
     let room = vec2(width - slider - bar, ui.available_height() - below);
     // Beside the other one or above it, whichever makes both larger.
     let [row, column] = [vec2(1.0, 0.0), vec2(0.0, 1.0)].map(|way| {

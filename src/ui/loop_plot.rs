@@ -6,7 +6,7 @@ use super::action::{Action, LessonAct, Pick, Scales};
 use super::headline::{self, energy, residual};
 use super::view_state::{Beside, Ghost, Origin, ViewState};
 use super::widgets::{described, named};
-use super::{diagram, machine, theme};
+use super::{diagram, theme};
 use crate::follow::record::StateRecord;
 use crate::lessons::{Hidden, Question};
 use crate::physics::parameter::Dimension;
@@ -209,7 +209,7 @@ pub fn panel(state: &ViewState) -> Panel {
     if !state.hides_kept() {
         kept(state, &mut panel);
     }
-    panel.series.extend(machine::line(state, [left, right]));
+    panel.series.extend(state.machine_line([left, right]));
     guesses(state, &mut panel);
     let wish = state.run.foresight.wish().and_then(|wanted| {
         let (.., sample) = wanted.live.found.as_ref().ok()?.at(wanted.spot);

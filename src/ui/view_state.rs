@@ -1,7 +1,6 @@
 //! Everything the window shows, as plain data: built and updated without egui.
 
 mod foresight;
-mod kept;
 mod lesson;
 mod plots;
 mod run;
@@ -9,10 +8,9 @@ mod session;
 mod stored;
 
 pub use foresight::{Beside, Foresight};
-pub use kept::{Kept, KeptLoops};
 pub use lesson::{Begin, Hint};
-pub use plots::{Ghost, LiveView, Plots};
-pub use run::{ClosedLoop, Origin, Pushed, RunView, Selection};
+pub use plots::{Ghost, Kept, KeptLoops, LiveView, Plots};
+pub use run::{ClosedLoop, Origin, Pushed, RunView, Selection, Told};
 pub use session::{Extent, History, Past, Saved};
 pub use stored::{Films, Store, Stretch, foreseen, stretches};
 
@@ -84,7 +82,7 @@ pub struct ViewState {
     pub lesson: Option<Progress>,
     /// Stops the measurement under way.
     measurement: Cancel,
-    told: Told,
+    told: Sent,
 }
 
 /// The scene that was opened.
@@ -127,7 +125,7 @@ impl Messages {
 
 /// What the solver was told; a command is the difference to what the window shows.
 #[derive(Clone, Copy, Debug, Default)]
-struct Told {
+struct Sent {
     run: RunId,
     motion: Motion,
     paused: bool,
@@ -179,7 +177,7 @@ impl ViewState {
             history: History::default(),
             lesson: None,
             measurement: Cancel::default(),
-            told: Told::default(),
+            told: Sent::default(),
         })
     }
 
@@ -371,7 +369,7 @@ impl ViewState {
             };
             let from = run.from.take().map(resumed);
             // A session counts motions afresh, from the rest at the start, and is not held.
-            *told = Told {
+            *told = Sent {
                 run: run.id,
                 motion: 0,
                 paused: false,

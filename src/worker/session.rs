@@ -1,10 +1,9 @@
 //! What the solver thread does, as a state machine without a thread: tests step it by hand, with a
 //! clock they hold.
 
-use super::film::Recorder;
 use super::protocol::{
-    Command, Envelope, Event, Failure, Frame, LoopSummary, Motion, Play, Ready, Resumed, RunId,
-    Speed, Stored, Sweep,
+    Command, Envelope, Event, Failure, Frame, LoopSummary, Motion, Play, Ready, Recorder, Resumed,
+    RunId, Speed, Stored, Sweep,
 };
 use super::setup::Setup;
 use super::system::Instant;

@@ -2,8 +2,7 @@
 
 use super::bench::{Bench, fig2};
 use super::hand::{Hand, Window};
-use super::stored::at_rest;
-use super::stored::run;
+use super::stored::{at_rest, run};
 use egui::Key;
 use egui_kittest::kittest::Queryable;
 use tackscope::follow::record::Direction;

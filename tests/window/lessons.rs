@@ -1,8 +1,7 @@
 //! A lesson in the window, by keyboard alone; resumed; lecture mode; the click at a snap.
 
 use super::bench::{Bench, fig2};
-use super::hand::{Hand, Window};
-use super::stepped::opened;
+use super::hand::{Hand, Window, opened};
 use super::stored::looped;
 use eframe::App;
 use egui::Key;

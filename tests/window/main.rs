@@ -2,22 +2,16 @@
 //! display, no graphics, no time.
 #![cfg(feature = "gui")]
 
-mod accuracy;
 mod bench;
+mod computed;
 mod hand;
 mod kept;
 mod layout;
 mod lessons;
 mod outside;
-mod paper;
 mod plot;
-mod push;
-mod random;
-mod reading;
 mod scene;
 mod screens;
-mod session;
-mod stepped;
 mod stored;
 mod tabs;
 mod why;

@@ -3,9 +3,8 @@
 //! hand, changed on the way.
 
 use super::bench::{Bench, fig2};
-use super::hand::Hand;
-use super::random::signed_zero;
-use super::stepped::opened;
+use super::hand::{Hand, opened};
+use super::wrongs::signed_zero;
 use egui::{Key, Modifiers};
 use egui_kittest::kittest::Queryable;
 use std::fs;

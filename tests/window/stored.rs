@@ -2,8 +2,7 @@
 //! surface; the path as a film. And those that the live loop foresees.
 
 use super::bench::coarse;
-use super::hand::{Hand, Window};
-use super::stepped::{foretold, opened};
+use super::hand::{Hand, Window, foretold, opened};
 use egui::{Key, Modifiers, Pos2, pos2};
 use egui_kittest::kittest::Queryable;
 use ndarray::Array2;

@@ -2,9 +2,8 @@
 //! loop; the energy landscape: the way over the saddles, and the ball; the surface in three dimensions.
 
 use super::bench::{Asked, Bench, coarse};
-use super::hand::{Hand, Window};
-use super::reading::TABS;
-use super::stepped::opened;
+use super::hand::{Hand, Window, opened};
+use super::layout::TABS;
 use super::stored::looped;
 use egui::epaint::{ClippedShape, Mesh, Shape};
 use egui::{Rect, Role, vec2};

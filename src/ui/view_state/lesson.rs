@@ -48,6 +48,12 @@ impl ViewState {
         self.lesson_hides(Hidden::Forecast)
     }
 
+    /// Between which values u0 can be guessed (ranges).
+    pub fn guessable(&self) -> [f64; 2] {
+        let ([left, _], [right, _]) = self.axes();
+        [left.max(0.0), right]
+    }
+
     /// What a lesson knows of the model.
     fn facts(&self) -> Facts<'_> {
         let closed = self.run.closed_loop.as_ref();
