@@ -11,7 +11,7 @@ use crate::follow::record::Cause;
 use crate::lessons::Progress;
 use crate::storage::{click, drawing, presets, scene_file};
 use crate::worker::job::{Job, Reporter};
-use crate::worker::protocol::{Command, Envelope, Event};
+use crate::worker::protocol::Event;
 use crate::worker::{self, SolverHandle};
 use egui::containers::PanelState;
 use egui::{Context, Ui};
@@ -338,13 +338,6 @@ impl eframe::App for App {
         if let Ok(text) = serde_json::to_string(&sitting) {
             storage.set_string(SITTING, text);
         }
-    }
-
-    fn on_exit(&mut self, _gl: Option<&eframe::glow::Context>) {
-        self.solver.send(Envelope {
-            run: self.state.run.id,
-            message: Command::Quit,
-        });
     }
 }
 

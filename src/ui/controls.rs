@@ -5,7 +5,7 @@ use super::action::{Action, FileTask};
 use super::advanced;
 use super::theme::{self, Palette};
 use super::view_state::ViewState;
-use super::widgets::{card, given, labelled, number, own};
+use super::widgets::{Asks, card, given, labelled, number, own};
 use super::words::{self, explain};
 use crate::physics::control::Control;
 use crate::physics::indenter::{Indenter, Measured};
@@ -234,9 +234,7 @@ fn height_file(ui: &mut Ui, measured: &Measured, actions: &mut Vec<Action>) {
     labelled(ui, "Height file", |ui| {
         let button = ui.add(egui::Button::new(&*name).truncate());
         let button = button.on_hover_text(file.display().to_string());
-        if button.clicked() {
-            actions.push(Action::AskFile(FileTask::OpenHeights));
-        }
+        button.asks(actions, Action::AskFile(FileTask::OpenHeights));
         button
     });
 }

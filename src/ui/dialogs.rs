@@ -5,7 +5,7 @@ use super::action::{Action, FileTask};
 use super::commands::{self, Palette};
 use super::tabs::Tabs;
 use super::view_state::ViewState;
-use super::widgets::radio;
+use super::widgets::{Asks, radio};
 use crate::storage::files::{self, Effect};
 use egui::{Align2, Context, RichText, Ui, Window};
 use std::path::{Path, PathBuf};
@@ -252,9 +252,7 @@ impl FileDialog {
             {
                 browse = Some(self.task);
             }
-            if ui.button("Cancel").clicked() {
-                actions.push(Action::CloseDialog);
-            }
+            ui.button("Cancel").asks(actions, Action::CloseDialog);
         });
         browse
     }

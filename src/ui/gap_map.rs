@@ -146,7 +146,7 @@ fn soft_mode(ui: &Ui, state: &ViewState, cache: &MapCache, picture: &GapPicture,
         return;
     }
     let painter = ui.painter().with_clip_rect(band.intersect(ui.clip_rect()));
-    let colour = theme::palette_on(crate::plot::style::Ground::Dark).jump;
+    let colour = theme::over_maps().jump;
     let segment = |s: &Segment, width: f32, colour: Color32| {
         painter.line_segment(
             s.map(|p| picture.to_screen(band, p)),
@@ -234,7 +234,7 @@ fn profile_line(ui: &Ui, state: &ViewState, picture: &GapPicture, band: Rect) {
     let Some(ends) = line_ends(state, picture, band) else {
         return;
     };
-    let colour = theme::palette_on(crate::plot::style::Ground::Dark).retraction;
+    let colour = theme::over_maps().retraction;
     for (width, ink) in [(3.0, Color32::from_black_alpha(120)), (1.5, colour)] {
         let line = Shape::dashed_line(&ends, Stroke::new(width, ink), 7.0, 5.0);
         ui.painter().extend(line);
@@ -399,7 +399,7 @@ fn line_grip(
     let id = egui::Id::unique("profile_line");
     let response = ui.interact(area, id, Sense::click_and_drag());
     let response = named(response, "Profile line");
-    let colour = theme::palette_on(crate::plot::style::Ground::Dark).retraction;
+    let colour = theme::over_maps().retraction;
     let edge = Stroke::new(2.0, Color32::from_black_alpha(190));
     ui.painter().circle(centre, GRIP, colour, edge);
     let upright = ui.input(|i| i.modifiers.shift);

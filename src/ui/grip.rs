@@ -227,7 +227,7 @@ fn ring(ui: &Ui, state: &ViewState, picture: &GapPicture, band: Rect, at: Option
     let [left, right] =
         [0.0, state.view.push_width as f32 * columns].map(|x| picture.to_screen(band, [x, 0.0]).x);
     let painter = ui.painter().with_clip_rect(band);
-    let colour = theme::palette_on(crate::plot::style::Ground::Dark).jump;
+    let colour = theme::over_maps().jump;
     for (width, ink) in [(4.0, Color32::from_black_alpha(120)), (2.0, colour)] {
         painter.circle_stroke(at, right - left, Stroke::new(width, ink));
     }

@@ -7,7 +7,7 @@ use super::action::{Action, ViewOptions};
 use super::grip;
 use super::theme::{self, Palette};
 use super::view_state::ViewState;
-use super::widgets::{checkbox, named, radio_value};
+use super::widgets::{Asks, at_right, checkbox, menu, named, radio_value};
 use super::words::explain;
 use crate::follow::record::{JumpRecord, StateRecord};
 use crate::lessons::Hidden;
@@ -60,12 +60,12 @@ pub fn surface(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {
         let presses = grip::presses(ui, state);
         let room = if presses { 0.4 * size.x } else { size.x - MENU };
         explain(line(ui, &words, SURFACE, room, colour), "Surface");
-        ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
+        at_right(ui, |ui| {
             if presses {
                 return grip::press_options(ui, state, actions);
             }
-            let menu = ui.menu_button("⚙", |ui| options(ui, state, actions));
-            named(menu.response, "Map options").on_hover_text("how the map is drawn");
+            let what = ["Map options", "how the map is drawn"];
+            menu(ui, "⚙", what, |ui| options(ui, state, actions));
         });
     });
 }
@@ -185,7 +185,7 @@ pub fn loss(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {
         ui.set_min_height(LOSS + 8.0);
         let colour = ui.visuals().strong_text_color();
         explain(line(ui, &lost.headline, LOSS, size.x - FIT, colour), "Loss");
-        ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
+        at_right(ui, |ui| {
             fit(ui, state, actions, &palette);
         });
     });
@@ -202,12 +202,9 @@ pub fn loss(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {
 fn fit(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>, palette: &Palette) {
     if state.plots.fit.is_some() {
         let button = named(ui.button("Scene"), "Scene axes");
-        if button
+        button
             .on_hover_text("the axes of the scene again")
-            .clicked()
-        {
-            actions.push(Action::FitScene);
-        }
+            .asks(actions, Action::FitScene);
         return;
     }
     let leaves = state.data_leave_view();
@@ -217,9 +214,9 @@ fn fit(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>, palette: &Pale
     } else {
         (RichText::new("Fit"), "Fit the axes to the data")
     };
-    if ui.button(text).on_hover_text(hover).clicked() {
-        actions.push(Action::FitData);
-    }
+    ui.button(text)
+        .on_hover_text(hover)
+        .asks(actions, Action::FitData);
 }
 
 /// What a walked loop lost, or the live one will, or the jumps so far.
@@ -347,7 +344,7 @@ pub fn bar(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {
         }
         let chip = ui.menu_button(chip(state), |ui| card(ui, state));
         chip.response.on_hover_text("how it was computed");
-        ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
+        at_right(ui, |ui| {
             notice(ui, state, actions);
         });
     });
@@ -402,9 +399,7 @@ fn failure(ui: &Ui, state: &ViewState, actions: &mut Vec<Action>) {
             );
             ui.horizontal_wrapped(|ui| {
                 ui.label(&failure.remedy);
-                if ui.button("Dismiss").clicked() {
-                    actions.push(Action::DismissFailure);
-                }
+                ui.button("Dismiss").asks(actions, Action::DismissFailure);
                 if state.history.can_undo() && ui.button("Undo edit").clicked() {
                     actions.push(Action::Undo);
                 }

@@ -7,7 +7,7 @@ use super::gap_picture::Maps;
 use super::headline::capital;
 use super::tabs::Tabs;
 use super::view_state::ViewState;
-use super::widgets::{Entry, described, named, radio};
+use super::widgets::{Asks, Entry, at_right, described, named, radio};
 use super::{controls, gap_map, headline, loop_plot, profile, theme, toolbar};
 use crate::lessons::{self, Hidden, Lesson, Progress, Question, Stage};
 use crate::scene::units::fixed;
@@ -180,10 +180,9 @@ pub fn lecture(ui: &mut Ui, state: &ViewState, maps: &Maps, actions: &mut Vec<Ac
             let words = words(state);
             let label = ui.add(Label::new(RichText::new(&words)).truncate());
             described(&label, &words);
-            ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
-                if ui.small_button("Leave (F11)").clicked() {
-                    actions.push(Action::ToggleLecture);
-                }
+            at_right(ui, |ui| {
+                ui.small_button("Leave (F11)")
+                    .asks(actions, Action::ToggleLecture);
             });
         });
     });
@@ -215,9 +214,7 @@ fn words(state: &ViewState) -> String {
         capital(now.pattern.words()),
         fixed(u0, 2)
     );
-    let closed = state.run.closed_loop.as_ref();
-    let loss = closed.and_then(|closed| closed.summary.ledger.dissipated_energy());
-    match (loss, jumps.last()) {
+    match (state.run.loss(), jumps.last()) {
         (Some(loss), _) => words += &format!(" The loop lost {} γ.", fixed(loss, 3)),
         (None, Some(jump)) => {
             words += &format!(
@@ -286,10 +283,8 @@ fn lesson(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>, share: f32)
 fn head(ui: &mut Ui, lesson: &Lesson, progress: &Progress, acts: &mut Vec<LessonAct>) {
     ui.horizontal(|ui| {
         ui.label(RichText::new(&lesson.title).heading().strong());
-        ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
-            if named(ui.small_button("✖"), "Leave the lesson").clicked() {
-                acts.push(LessonAct::Leave);
-            }
+        at_right(ui, |ui| {
+            named(ui.small_button("✖"), "Leave the lesson").asks(acts, LessonAct::Leave);
         });
     });
     let (step, steps) = (
@@ -358,9 +353,7 @@ fn ask(
             progress.answer.is_some(),
             egui::Button::new("That is my answer"),
         );
-        if button.on_hover_text("Enter").clicked() {
-            acts.push(LessonAct::Commit);
-        }
+        button.on_hover_text("Enter").asks(acts, LessonAct::Commit);
     }
     ui.add_space(6.0);
 }
@@ -394,12 +387,9 @@ fn explain(ui: &mut Ui, words: &str) {
 fn onwards(ui: &mut Ui, lesson: &Lesson, progress: &Progress, acts: &mut Vec<LessonAct>) {
     ui.horizontal(|ui| {
         let back = ui.add_enabled(progress.step > 0, egui::Button::new("Back"));
-        if named(back, "Back one step")
+        named(back, "Back one step")
             .on_hover_text("Backspace")
-            .clicked()
-        {
-            acts.push(LessonAct::Back);
-        }
+            .asks(acts, LessonAct::Back);
         let done = progress.stage == Stage::Explained;
         let (face, hover) = match done {
             true if progress.step + 1 == lesson.steps.len() => ("Finish", "Enter"),
@@ -407,9 +397,9 @@ fn onwards(ui: &mut Ui, lesson: &Lesson, progress: &Progress, acts: &mut Vec<Les
             false => ("Skip this step", "go on without it"),
         };
         let button = egui::Button::new(face).selected(done);
-        if ui.add(button).on_hover_text(hover).clicked() {
-            acts.push(LessonAct::Next);
-        }
+        ui.add(button)
+            .on_hover_text(hover)
+            .asks(acts, LessonAct::Next);
     });
 }
 
@@ -423,16 +413,12 @@ fn end(ui: &mut Ui, lesson: &Lesson, progress: &Progress, acts: &mut Vec<LessonA
     let next = all.iter().position(|other| other.name == lesson.name);
     let next = next.map_or(0, |index| index + 1);
     ui.horizontal(|ui| {
-        if ui.button("Back").clicked() {
-            acts.push(LessonAct::Back);
-        }
+        ui.button("Back").asks(acts, LessonAct::Back);
         if let Some(other) = all.get(next)
             && ui.button(format!("Next lesson: {}", other.title)).clicked()
         {
             acts.push(LessonAct::Start(next));
         }
-        if ui.button("Leave").clicked() {
-            acts.push(LessonAct::Leave);
-        }
+        ui.button("Leave").asks(acts, LessonAct::Leave);
     });
 }

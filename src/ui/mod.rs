@@ -37,4 +37,4 @@ mod words;
 
 pub use app::{App, Player};
 pub use dialogs::{FileRequest, PathFuture};
-pub use display::{Options, begun, display_available, run, run_with};
+pub use display::{begun, display_available, run};

@@ -3,7 +3,7 @@
 use super::action::Action;
 use super::theme;
 use super::view_state::{Told, ViewState};
-use super::widgets::{Entry, named};
+use super::widgets::{Asks, Entry, named};
 use super::words::explain;
 use crate::plot::ticks;
 use crate::scene::edit::{self, MU_RHO, TICKS};
@@ -81,9 +81,9 @@ pub fn driven(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {
             ("+", "step up", "one increment up (→ ↑); Shift: fine", 1.0),
         ] {
             let button = ui.add(Button::new(face).min_size(vec2(26.0, 24.0)));
-            if named(button, name).on_hover_text(hover).clicked() {
-                actions.push(Action::Step(step));
-            }
+            named(button, name)
+                .on_hover_text(hover)
+                .asks(actions, Action::Step(step));
         }
     });
     rail(ui, state, &told, actions, rect.shrink2(vec2(0.0, ROW)));

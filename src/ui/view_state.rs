@@ -99,7 +99,7 @@ pub struct Opened {
 }
 
 /// What the window says, in words and by sound.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Messages {
     /// What went wrong.
     pub failure: Option<Failure>,
@@ -141,13 +141,14 @@ impl ViewState {
         let model = scene.model()?;
         let limits = window::of_control(&scene, &model);
         let run = RunView::new(1, &scene, limits.1);
+        let ends = window::of_u0(&scene, &model);
+        let flat_state = flat_state(&model, scene.control(), ends);
         let scene = Arc::new(scene);
         Ok(Self {
-            plots: Plots::new(flat_state(
-                &model,
-                scene.control(),
-                window::of_u0(&scene, &model),
-            )),
+            plots: Plots {
+                flat_state,
+                ..Plots::default()
+            },
             scene: scene.clone(),
             opened: Opened {
                 scene,
@@ -166,11 +167,8 @@ impl ViewState {
             frame: None,
             beside: None,
             messages: Messages {
-                failure: None,
-                notice: None,
                 hint: Some(Hint::Grab),
-                announced: String::new(),
-                click: false,
+                ..Messages::default()
             },
             notes: String::new(),
             view: ViewOptions::default(),

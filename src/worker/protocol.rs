@@ -197,6 +197,15 @@ impl Frame {
         }
     }
 
+    /// Of an equilibrium with this record.
+    pub fn at_rest(state: &StateRecord, gap: Arc<Array2<f64>>) -> Self {
+        let at = [state.mean_displacement, state.stress];
+        Self {
+            state: Some(state.clone()),
+            ..Self::of_a_branch(state.control, at, gap)
+        }
+    }
+
     /// True of a state that somebody chose on a branch: the walk does not stand on it.
     pub fn is_of_a_branch(&self) -> bool {
         self.state.is_none() && !self.relaxing
@@ -238,20 +247,7 @@ impl Stored {
 
     /// Its picture.
     pub fn frame(&self) -> Frame {
-        let StateRecord {
-            control,
-            mean_displacement,
-            stress,
-            ..
-        } = self.record;
-        Frame {
-            state: Some(self.record.clone()),
-            ..Frame::of_a_branch(
-                control,
-                [mean_displacement, stress],
-                Arc::new(self.gap.mapv(f64::from)),
-            )
-        }
+        Frame::at_rest(&self.record, Arc::new(self.gap.mapv(f64::from)))
     }
 
     /// Bytes that it takes.

@@ -99,9 +99,7 @@ fn every_mark_is_found_by_the_pointer_failures_on_the_top_edge_and_a_click_makes
     bench.click("Speed and accuracy tab");
     bench.click("Run quick");
     let (_, report) = bench.chart();
-    report.result(chart());
-    report.end(Ok(()));
-    bench.settle();
+    bench.answer(&report, chart());
     let plot = bench.place_of("Speed against accuracy: 3 points measured, 1 of them failed");
     // Which row the pointer is on is known by what is said beside it.
     let mut found: Vec<(&str, egui::Pos2)> = Vec::new();
@@ -140,10 +138,10 @@ fn every_mark_is_found_by_the_pointer_failures_on_the_top_edge_and_a_click_makes
     bench.heard();
     bench.click_at(at("fire"));
     assert_eq!(
-        (bench.state().method, bench.state().scene.cell.points),
+        (bench.view().method, bench.view().scene.cell.points),
         (MethodKind::Fire, Points::Square(48))
     );
-    assert_eq!(bench.state().scene.drive.step, 0.08);
+    assert_eq!(bench.view().scene.drive.step, 0.08);
     let heard = bench.heard();
     assert!(
         matches!(
@@ -180,7 +178,7 @@ fn one_measurement_is_under_way_at_a_time_and_ends_with_its_run_and_the_layout_i
     chart.end(Err("stopped".to_owned()));
     bench.click("Speed and accuracy tab");
     assert!(
-        bench.state().messages.failure.is_none(),
+        bench.view().messages.failure.is_none(),
         "who stopped it needs not hear of it"
     );
     bench.click("Run full");
@@ -193,7 +191,7 @@ fn one_measurement_is_under_way_at_a_time_and_ends_with_its_run_and_the_layout_i
     let (_, chart) = bench.chart();
     chart.end(Err("no reference".to_owned()));
     bench.settle();
-    let failure = bench.state().messages.failure.as_ref().expect("said");
+    let failure = bench.view().messages.failure.as_ref().expect("said");
     assert!(failure.message.contains("no reference"), "{failure:?}");
 
     bench.click("transforms");
@@ -202,9 +200,9 @@ fn one_measurement_is_under_way_at_a_time_and_ends_with_its_run_and_the_layout_i
         radio.accesskit_node().toggled() == Some(egui::accesskit::Toggled::True)
     };
     assert!(transforms(&bench));
-    bench.press(egui::Modifiers::COMMAND, egui::Key::K);
+    bench.ctrl(egui::Key::K);
     bench.click("Restore layout");
-    assert_eq!(bench.state().view.tab, 0, "the first tab is the chosen one");
+    assert_eq!(bench.view().view.tab, 0, "the first tab is the chosen one");
     bench.click("Speed and accuracy tab");
     assert!(!transforms(&bench));
 }
@@ -240,10 +238,10 @@ fn marks_come_from_a_job_and_a_click_opens_the_scene_of_one_until_it_is_undone()
         }
     }
     bench.click_at(at);
-    assert_eq!(bench.state().scene.law.range, Range::Length(1.1));
+    assert_eq!(bench.view().scene.law.range, Range::Length(1.1));
     assert!(bench.names().contains(said), "marks of this scene stay");
-    bench.press(egui::Modifiers::COMMAND, egui::Key::Z);
-    assert_eq!(bench.state().scene.law.range, Range::Length(1.0));
+    bench.ctrl(egui::Key::Z);
+    assert_eq!(bench.view().scene.law.range, Range::Length(1.0));
 }
 
 #[test]
@@ -363,13 +361,6 @@ fn made_up(number: usize) -> Figure {
     }
 }
 
-/// A page is there.
-fn done(bench: &mut Bench, report: &Reporter<PageContent>, content: PageContent) {
-    report.result(content);
-    report.end(Ok(()));
-    bench.settle();
-}
-
 fn figure(number: usize) -> PageContent {
     PageContent::Figure(Arc::new(made_up(number)))
 }
@@ -417,7 +408,7 @@ fn another_figure_takes_the_place_of_the_one_under_way_and_what_came_is_kept() {
     bench.click(&format!("Figure {two}"));
     assert!(dropped.cancel.requested());
     let report = asked(&bench, Page::Figure(two));
-    done(&mut bench, &report, figure(two));
+    bench.answer(&report, figure(two));
     for words in [
         format!("Fig. {two} diagram a: u_c/rho against L/L_c, 3 curves"),
         format!("Fig. {two} diagram b: u_c/rho against L/L_c, 3 curves"),
@@ -455,25 +446,24 @@ fn a_figure_is_chosen_by_the_keyboard_and_its_scene_opened() {
             .collect::<Vec<_>>(),
         [(entry.scene)()]
     );
-    assert!(bench.state().plots.overlay, "with theory over it");
+    assert!(bench.view().plots.overlay, "with theory over it");
     bench.click("Undo");
-    assert_eq!(*bench.state().scene, super::bench::fig2());
+    assert_eq!(*bench.view().scene, super::bench::fig2());
 }
 
 #[test]
 fn theory_is_laid_over_the_live_plot_in_its_units_and_follows_the_scene() {
     let mut bench = opened();
     let report = asked(&bench, Page::Figure(first()));
-    done(&mut bench, &report, figure(first()));
+    bench.answer(&report, figure(first()));
     bench.click("Overlay theory");
     let report = asked(&bench, Page::Theory);
-    assert!(bench.state().overlay().is_empty());
-    done(
-        &mut bench,
+    assert!(bench.view().overlay().is_empty());
+    bench.answer(
         &report,
         PageContent::Theory(Arc::new(ZeroRange::compute(&Cancel::default()).unwrap())),
     );
-    let lines = bench.state().overlay();
+    let lines = bench.view().overlay();
     assert_eq!(
         lines.iter().map(|line| line.0).collect::<Vec<_>>(),
         ["flat", "ridge", "dimple", "bulge"]
@@ -488,12 +478,12 @@ fn theory_is_laid_over_the_live_plot_in_its_units_and_follows_the_scene() {
     );
     bench.click("Line cell (uniform along y)");
     assert_eq!(
-        bench.state().overlay().len(),
+        bench.view().overlay().len(),
         2,
         "a line cell knows no dimple"
     );
     bench.click("Overlay theory");
-    assert!(bench.state().overlay().is_empty());
+    assert!(bench.view().overlay().is_empty());
 }
 
 #[test]
@@ -516,11 +506,7 @@ fn the_errata_are_listed_with_their_evidence() {
         because: "It is exact.",
         evidence,
     };
-    done(
-        &mut bench,
-        &report,
-        PageContent::Errata(Arc::new(vec![erratum])),
-    );
+    bench.answer(&report, PageContent::Errata(Arc::new(vec![erratum])));
     for words in [
         "Eq. 24",
         "printed: 0.4204",
@@ -536,7 +522,7 @@ fn a_page_has_a_window_of_its_own_and_every_panel_stays_inside() {
     let mut bench = Bench::sized(900.0, 600.0);
     bench.click("Paper tab");
     let report = asked(&bench, Page::Figure(first()));
-    done(&mut bench, &report, figure(first()));
+    bench.answer(&report, figure(first()));
     for label in ["Play loop", "Menu", "Fit", "Open this scene", "Enlarge"] {
         let rect = bench.place_of(label);
         assert!(
@@ -568,6 +554,6 @@ fn the_first_figure_of_the_gallery_is_drawn_as_it_is_computed() {
     bench.pages();
     bench.click("Figure 10");
     let report = asked(&bench, Page::Figure(10));
-    done(&mut bench, &report, PageContent::Figure(Arc::new(figure)));
+    bench.answer(&report, PageContent::Figure(Arc::new(figure)));
     bench.says("Fig. 10 diagram a:");
 }

@@ -21,6 +21,7 @@ use tackscope::worker::background::Wanted;
 use tackscope::worker::job::{Computation, Wake, Work};
 use tackscope::worker::protocol::{Command, Envelope, Event, LiveState, RunId, Stored};
 use tackscope::worker::session::Session;
+use tempfile::TempDir;
 
 /// The window under test.
 pub type Window = Harness<'static, App>;
@@ -62,6 +63,15 @@ pub trait Hand {
 
     /// Draws until the surface rests.
     fn rest(&mut self);
+
+    /// Plays by this button, until the surface rests.
+    fn play(&mut self, button: &str);
+
+    /// Goes on from what is looked at.
+    fn go_on(&mut self);
+
+    /// Takes the last edit back, and draws until the surface is where it was.
+    fn undo(&mut self);
 
     /// Draws until no file is being read or written any more.
     fn wait_for_file(&mut self);
@@ -170,6 +180,23 @@ impl Hand for Window {
         }
     }
 
+    fn play(&mut self, button: &str) {
+        self.get_by_label(button).click();
+        self.step();
+        self.rest();
+    }
+
+    fn go_on(&mut self) {
+        self.key_press(Key::G);
+        self.step();
+        self.run();
+    }
+
+    fn undo(&mut self) {
+        self.key_press_modifiers(Modifiers::COMMAND, Key::Z);
+        self.run_steps(20);
+    }
+
     fn wait_for_file(&mut self) {
         let begun = Instant::now();
         let busy = |notice: &String| notice.ends_with('…');
@@ -188,6 +215,18 @@ impl Hand for Window {
         self.step();
         self.key_press(Key::Enter);
     }
+}
+
+/// A folder that goes with the test.
+pub fn folder() -> TempDir {
+    tempfile::tempdir().expect("a temporary folder")
+}
+
+/// A path of this name in such a folder, which is to be held.
+pub fn place_for(name: &str) -> (TempDir, PathBuf) {
+    let folder = folder();
+    let path = folder.path().join(name);
+    (folder, path)
 }
 
 /// What has a name that begins with these words.

@@ -9,7 +9,6 @@ use egui::epaint::{ClippedShape, Shape};
 use egui::{Event as Input, Key, Pos2, Rect, Role, pos2, vec2};
 use egui_kittest::LazyRenderer;
 use egui_kittest::kittest::{NodeT, Queryable};
-use tackscope::follow::record::Direction;
 use tackscope::scene::Points;
 use tackscope::ui::view_state::ViewState;
 use tackscope::worker::protocol::{Event, Failure};
@@ -31,7 +30,7 @@ fn each(mut look: impl FnMut(&mut Bench, Rect, &str)) {
         for zoom in ZOOMS {
             let size = vec2(width, height) / zoom;
             let mut bench = Bench::sized(size.x, size.y);
-            bench.reach(3.9, Direction::Approach);
+            bench.down(3.9);
             let screen = Rect::from_min_size(pos2(0.0, 0.0), size);
             look(&mut bench, screen, &format!("{width} x {height} at {zoom}"));
         }
@@ -128,7 +127,7 @@ fn the_tabs_are_one_row_with_the_chosen_one_in_it_and_the_others_in_a_menu() {
 fn nothing_moves_when_a_word_comes() {
     for (width, height) in [(1280.0, 800.0), (900.0, 600.0)] {
         let mut bench = Bench::sized(width, height);
-        bench.reach(3.9, Direction::Approach);
+        bench.down(3.9);
         let fixed = [
             "Play loop",
             "Map options",
@@ -156,9 +155,9 @@ fn nothing_moves_when_a_word_comes() {
         }));
         same(&bench, "a failure");
         bench.click("Dismiss");
-        bench.reach(3.11, Direction::Approach);
+        bench.down(3.11);
         bench.jump(3.102);
-        bench.reach(3.0, Direction::Retraction);
+        bench.up(3.0);
         same(&bench, "a jump");
         bench.tap(Key::End);
         same(&bench, "a target");

@@ -3,13 +3,12 @@
 //! and scenes at the ends of their ranges; sessions, saved, opened again as they were, and gone on with.
 
 use super::bench::{Bench, coarse, fig2};
-use super::hand::{Hand, Window, opened};
+use super::hand::{Hand, Window, folder, opened, place_for};
 use super::stored::{apart, looped, run, shown};
 use egui::{Key, Modifiers, Theme};
 use egui_kittest::kittest::Queryable;
 use std::fs;
 use std::path::Path;
-use tackscope::follow::record::Direction;
 use tackscope::paper::GALLERY;
 use tackscope::physics::indenter::{Hertz, Indenter, Wave};
 use tackscope::plot::style::Colours;
@@ -33,8 +32,7 @@ fn written(path: &Path) -> String {
 
 #[test]
 fn a_file_that_is_there_is_replaced_only_when_that_is_said_twice() {
-    let home = tempfile::tempdir().expect("a temporary folder");
-    let path = home.path().join("mine.toml");
+    let (_home, path) = place_for("mine.toml");
     fs::write(&path, "mine").expect("written");
     let mut bench = Bench::new();
     save_as(&mut bench, &path.display().to_string());
@@ -58,7 +56,7 @@ fn a_file_that_is_there_is_replaced_only_when_that_is_said_twice() {
 
 #[test]
 fn a_folder_is_made_only_when_that_is_wanted() {
-    let home = tempfile::tempdir().expect("a temporary folder");
+    let home = folder();
     let path = home.path().join("new").join("mine.toml");
     let mut bench = Bench::new();
     save_as(&mut bench, &path.display().to_string());
@@ -82,7 +80,7 @@ fn a_tilde_of_somebody_else_is_refused_in_the_dialog() {
 fn asked(words: &str) -> Bench {
     let mut bench = Bench::new();
     bench.heard();
-    bench.press(Modifiers::COMMAND, Key::K);
+    bench.ctrl(Key::K);
     bench.write(words);
     bench
 }
@@ -93,7 +91,7 @@ fn a_command_is_found_by_parts_of_its_name_and_run_by_enter() {
     bench.says("Cohesive law: cosine");
     bench.lacks("Play or pause");
     bench.tap(Key::Enter);
-    assert_eq!(bench.state().scene.law.shape.word(), "cosine");
+    assert_eq!(bench.view().scene.law.shape.word(), "cosine");
     assert!(
         !bench.names().contains("Cohesive law: cosine"),
         "it is closed"
@@ -104,15 +102,15 @@ fn a_command_is_found_by_parts_of_its_name_and_run_by_enter() {
 fn the_profile_is_cut_and_a_guess_is_made_without_a_mouse() {
     let mut bench = asked("profile along y");
     bench.tap(Key::Enter);
-    assert_eq!(bench.state().view.profile, ProfileLine::AlongY(0.5));
+    assert_eq!(bench.view().view.profile, ProfileLine::AlongY(0.5));
     bench.tap(Key::F11);
-    bench.press(Modifiers::COMMAND, Key::K);
+    bench.ctrl(Key::K);
     bench.write("3.3");
     bench.tap(Key::ArrowDown);
     bench.tap(Key::Enter);
-    assert_eq!(bench.state().plots.guesses, [3.3]);
+    assert_eq!(bench.view().plots.guesses, [3.3]);
     bench.jump(3.1);
-    bench.press(Modifiers::COMMAND, Key::K);
+    bench.ctrl(Key::K);
     bench.write("3.3");
     assert!(
         !bench.names().contains("Guess the first jump"),
@@ -142,9 +140,9 @@ fn arrows_choose_among_what_is_found_and_a_click_runs_it() {
     bench.tap(Key::ArrowUp);
     bench.tap(Key::Enter);
     bench.says("No jump yet.");
-    bench.press(Modifiers::COMMAND, Key::K);
+    bench.ctrl(Key::K);
     bench.click("Play approach");
-    assert!(bench.state().run.sweep().is_some());
+    assert!(bench.view().run.sweep().is_some());
 }
 
 #[test]
@@ -162,7 +160,7 @@ fn a_figure_opens_in_its_tab() {
 fn a_number_alone_is_a_mean_displacement_if_the_drive_reaches_it() {
     let mut bench = asked("2.5");
     bench.tap(Key::Enter);
-    assert_eq!(bench.state().target, 2.5);
+    assert_eq!(bench.view().target, 2.5);
     assert!(
         bench
             .heard()
@@ -180,7 +178,7 @@ fn escape_and_words_that_find_nothing_change_nothing() {
     bench.tap(Key::Escape);
     bench.lacks("Nothing has all these words");
     assert!(bench.heard().is_empty());
-    assert_eq!(*bench.state().scene, fig2());
+    assert_eq!(*bench.view().scene, fig2());
 }
 
 #[test]
@@ -197,7 +195,7 @@ fn the_speed_is_told_once_and_survives_another_scene() {
     assert_eq!(told(&mut bench), 1);
     bench.tap(Key::Num2);
     assert_eq!(
-        (told(&mut bench), bench.state().view.speed),
+        (told(&mut bench), bench.view().view.speed),
         (0, Speed::Slow)
     );
 }
@@ -218,7 +216,7 @@ fn hertz() -> Scene {
 
 #[test]
 fn a_scene_file_and_a_picture_with_its_scene_open_whatever_they_are_called() {
-    let folder = tempfile::tempdir().expect("a temporary folder");
+    let folder = folder();
     let (text, shot) = (folder.path().join("scene.txt"), folder.path().join("loop"));
     scene_file::save(&text, &hertz()).expect("saved");
     picture::write_gap_png(&shot, &ndarray::Array2::zeros((4, 4)), Colours::default())
@@ -227,15 +225,15 @@ fn a_scene_file_and_a_picture_with_its_scene_open_whatever_they_are_called() {
     for path in [text, shot] {
         let mut bench = Bench::new();
         bench.open(&path);
-        assert_eq!(*bench.state().scene, hertz());
-        assert!(bench.state().messages.failure.is_none());
+        assert_eq!(*bench.view().scene, hertz());
+        assert!(bench.view().messages.failure.is_none());
         bench.says("opened");
     }
 }
 
 #[test]
 fn what_is_no_scene_is_refused_in_words_and_never_waited_for() {
-    let folder = tempfile::tempdir().expect("a temporary folder");
+    let folder = folder();
     let at = |name: &str| folder.path().join(name);
     assert!(
         std::process::Command::new("mkfifo")
@@ -268,12 +266,12 @@ fn what_is_no_scene_is_refused_in_words_and_never_waited_for() {
     ] {
         let mut bench = Bench::new();
         bench.open(&at(name));
-        let failure = bench.state().messages.failure.clone().expect("refused");
+        let failure = bench.view().messages.failure.clone().expect("refused");
         assert!(
             failure.message.contains(words) && failure.message.contains(name),
             "{failure:?}"
         );
-        assert_eq!(*bench.state().scene, fig2());
+        assert_eq!(*bench.view().scene, fig2());
     }
 }
 
@@ -284,31 +282,30 @@ fn a_decimal_comma_is_taken_in_every_field() {
     assert_eq!(bench.targets(), [3.25]);
     bench.click("Advanced");
     bench.enter("Surface energy γ", "0,175");
-    assert_eq!(bench.state().scene.law.surface_energy, 0.175);
+    assert_eq!(bench.view().scene.law.surface_energy, 0.175);
     bench.command("2,5");
-    assert_eq!(bench.state().target, 2.5);
+    assert_eq!(bench.view().target, 2.5);
 }
 
 #[test]
 fn the_last_scenes_picture_is_gone_at_once_when_another_is_opened() {
     let mut bench = Bench::new();
-    bench.reach(3.9, Direction::Approach);
+    bench.down(3.9);
     bench.says("Gap map: flat");
-    let folder = tempfile::tempdir().expect("a temporary folder");
-    let path = folder.path().join("scene.toml");
+    let (_folder, path) = place_for("scene.toml");
     scene_file::save(&path, &hertz()).expect("saved");
     bench.open(&path);
-    assert!(bench.state().frame.is_none());
+    assert!(bench.view().frame.is_none());
     bench.says("Gap map: waiting for the solver …");
 }
 
 #[test]
 fn an_edited_scene_waits_for_its_picture_in_words() {
     let mut bench = Bench::new();
-    bench.reach(3.9, Direction::Approach);
+    bench.down(3.9);
     bench.click("law cosine");
     bench.says("Gap map: waiting for the solver …");
-    bench.reach(3.9, Direction::Approach);
+    bench.down(3.9);
     bench.says("Gap map: flat");
 }
 
@@ -342,13 +339,12 @@ fn scenes_at_the_ends_of_their_ranges_are_drawn() {
         let mut scene = fig2();
         extreme(&mut scene);
         let mut bench = Bench::new();
-        let folder = tempfile::tempdir().expect("a temporary folder");
-        let path = folder.path().join("scene.toml");
+        let (_folder, path) = place_for("scene.toml");
         // What is refused is no matter of the window.
         if scene_file::save(&path, &scene).is_ok() {
             bench.open(&path);
-            assert_eq!(*bench.state().scene, scene, "{index}");
-            bench.reach(scene.drive.start, Direction::Approach);
+            assert_eq!(*bench.view().scene, scene, "{index}");
+            bench.down(scene.drive.start);
         }
     }
 }
@@ -393,8 +389,7 @@ fn save(window: &mut Window, path: &Path) {
 
 #[test]
 fn a_session_opens_again_with_its_path_its_states_its_films_and_its_loss() {
-    let folder = tempfile::tempdir().expect("a temporary folder");
-    let path = folder.path().join("mine.tackscope");
+    let (_folder, path) = place_for("mine.tackscope");
     let (mut window, _) = looped();
     window.tap(Key::L);
     save(&mut window, &path);
@@ -443,8 +438,7 @@ fn a_session_opens_again_with_its_path_its_states_its_films_and_its_loss() {
 
 #[test]
 fn a_session_saved_on_the_way_goes_on_as_it_would_have() {
-    let folder = tempfile::tempdir().expect("a temporary folder");
-    let path = folder.path().join("mine.tackscope");
+    let (_folder, path) = place_for("mine.tackscope");
     let (mut window, _) = looped();
     // After the second jump, by a fork.
     for key in [Key::J, Key::J, Key::G] {
@@ -456,9 +450,7 @@ fn a_session_saved_on_the_way_goes_on_as_it_would_have() {
     open(&mut again, &path);
     assert!(apart(&shown(&window), &shown(&again)) < 1e-6);
     for window in [&mut window, &mut again] {
-        window.get_by_label("Play approach").click();
-        window.step();
-        window.rest();
+        window.play("Play approach");
     }
     let [a, b] = [&window, &again].map(|window| run(window).record.clone());
     assert_eq!(a.jumps.len(), b.jumps.len());
@@ -474,8 +466,7 @@ fn a_session_saved_on_the_way_goes_on_as_it_would_have() {
 
 #[test]
 fn a_picture_opens_again_with_the_path_and_the_present_state() {
-    let folder = tempfile::tempdir().expect("a temporary folder");
-    let path = folder.path().join("loop.png");
+    let (_folder, path) = place_for("loop.png");
     let (mut window, _) = looped();
     for key in [Key::J, Key::J, Key::G] {
         window.tap(key);
@@ -496,8 +487,7 @@ fn a_picture_opens_again_with_the_path_and_the_present_state() {
 
 #[test]
 fn a_session_that_contradicts_its_scene_is_refused_and_changes_nothing() {
-    let folder = tempfile::tempdir().expect("a temporary folder");
-    let path = folder.path().join("mine.tackscope");
+    let (_folder, path) = place_for("mine.tackscope");
     let (window, _) = looped();
     let mut session = window.view().session(Extent::Whole);
     session.scene.cell.points = Points::Square(40);

@@ -38,7 +38,7 @@ pub struct Ghost {
 }
 
 /// What the diagrams show beside the present run.
-#[derive(Debug)]
+#[derive(Debug, Default)]
 pub struct Plots {
     /// The live loop.
     pub live: Option<LiveView>,
@@ -69,25 +69,6 @@ pub struct Plots {
 }
 
 impl Plots {
-    /// Nothing but the flat state.
-    pub(super) fn new(flat_state: Vec<Series>) -> Self {
-        Self {
-            live: None,
-            ghosts: VecDeque::new(),
-            kept: KeptLoops::default(),
-            flat_state,
-            fit: None,
-            beneath: Vec::new(),
-            preview: None,
-            branches: None,
-            wants_branches: false,
-            barrier: None,
-            guesses: Vec::new(),
-            overlay: false,
-            theory: None,
-        }
-    }
-
     /// One more guess of u0 (ranges); the oldest goes.
     pub fn guess(&mut self, u0: f64) {
         self.guesses.insert(0, u0);
@@ -239,14 +220,18 @@ impl ViewState {
         (!points.is_empty()).then(|| Series::line("machine", Role::Theory, Colour::MACHINE, points))
     }
 
+    /// The live loop of this very scene: that of an edited one comes a moment later.
+    pub(super) fn own_live(&self) -> Option<&LiveView> {
+        let live = self.plots.live.as_ref();
+        live.filter(|live| live.run == self.run.id)
+    }
+
     /// Where the surface will stand at the target, read off the live loop of this very scene.
     pub fn foreseen(&self) -> Option<(Pattern, Sample)> {
-        let live = self.plots.live.as_ref();
-        let live = live.filter(|live| live.run == self.run.id)?;
         if self.target == self.run.actual {
             return None;
         }
-        let found = live.state.found.as_ref().ok()?;
+        let found = self.own_live()?.state.found.as_ref().ok()?;
         found.reading(self.run.state.as_ref()?, self.target)
     }
 }
@@ -441,12 +426,7 @@ impl ViewState {
 
     /// Keeps a loop.
     pub fn keep(&mut self, from: KeepFrom) {
-        let live = self
-            .plots
-            .live
-            .as_ref()
-            .filter(|live| live.run == self.run.id);
-        let live = live.map(|LiveView { state, .. }| state.clone());
+        let live = self.own_live().map(|live| live.state.clone());
         let live = live.filter(|live| live.found.is_ok());
         let walked = self.run.curve.points().nth(2).is_some();
         let from = match from {
@@ -469,8 +449,7 @@ impl ViewState {
                     points.map(|p| [p[0] * own[0], p[1] * own[1]]).collect()
                 });
                 kept.lines = lines.collect();
-                let closed = self.run.closed_loop.as_ref();
-                kept.loss = closed.and_then(|closed| closed.summary.ledger.dissipated_energy());
+                kept.loss = self.run.loss();
                 kept.jumps = self.run.record.jumps.len();
                 (kept.live, kept.is_walked) = (live, true);
             }

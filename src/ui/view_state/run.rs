@@ -134,6 +134,17 @@ impl RunView {
         run
     }
 
+    /// What the last closed loop lost (gamma), if that is known.
+    pub fn loss(&self) -> Option<f64> {
+        let closed = self.closed_loop.as_ref()?;
+        closed.summary.ledger.dissipated_energy()
+    }
+
+    /// The jump that led to the state somebody looks at, or away from it.
+    pub fn selected_jump(&self) -> Option<usize> {
+        self.selection.as_ref()?.jump
+    }
+
     /// True while the solver has something to do.
     pub fn is_busy(&self) -> bool {
         self.play != Play::Rest
@@ -386,12 +397,7 @@ impl ViewState {
     /// back the last.
     pub fn step_jump(&mut self, by: isize) {
         let last = self.run.record.jumps.len().saturating_sub(1);
-        let present = self
-            .run
-            .selection
-            .as_ref()
-            .and_then(|selection| selection.jump);
-        self.select_jump(match present {
+        self.select_jump(match self.run.selected_jump() {
             None if by < 0 => last,
             None => 0,
             Some(i) => i.saturating_add_signed(by).min(last),
