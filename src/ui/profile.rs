@@ -146,7 +146,6 @@ fn bodies(
     let middle = soft[n / 2];
     painter.line(soft, Stroke::new(1.8, edge));
     let grip = grip::grip(ui, state, frame, middle);
-    let taken = [Some(grip), grip::bubble(ui, state, frame, grip)];
     let per_x = state.model.grid.length / f64::from(frame.width());
     let stretch = per_x / ((high - low) / f64::from(frame.height()));
     let words = [
@@ -159,9 +158,14 @@ fn bodies(
     } else {
         Color32::BLACK
     };
-    for (corner, words) in words {
+    let words = words.map(|(corner, words)| {
         let galley = painter.layout_no_wrap(words, theme::small(), ink);
-        let area = corner.align_size_within_rect(galley.size(), frame.shrink2(vec2(8.0, 3.0)));
+        let inside = frame.shrink2(vec2(8.0, 3.0));
+        (corner.align_size_within_rect(galley.size(), inside), galley)
+    });
+    let written = [0, 1, 2].map(|i| words[i].0);
+    let taken = [Some(grip), grip::bubble(ui, state, frame, grip, &written)];
+    for (area, galley) in words {
         // What is to be done goes before what a body is called.
         if !taken.iter().flatten().any(|taken| taken.intersects(area)) {
             painter.galley(area.min, galley, ink);
