@@ -1,12 +1,12 @@
 //! What is folded away in the left panel: the experts' numbers.
 
 use super::action::Action;
+use super::sliders;
 use super::view_state::ViewState;
 use super::widgets::{
-    Entry, SEED_MAX, checkbox, choosable, given, labelled, number, own, radio, whole,
+    Asks, Entry, SEED_MAX, checkbox, choosable, given, labelled, number, own, radio, whole,
 };
 use super::words::explain;
-use super::{machine, sliders};
 use crate::physics::body::Body;
 use crate::scene::edit::{self, Follows};
 use crate::scene::part::Strategy;
@@ -54,9 +54,7 @@ fn mesh_number(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {
         explain(ui.label("Follows:"), "Follows");
         for (follows, word) in [(Follows::Range, "range"), (Follows::Mesh, "mesh")] {
             let radio = radio(ui, &state.follows, &follows, word);
-            if explain(radio, word).clicked() {
-                actions.push(Action::SetFollows(follows));
-            }
+            explain(radio, word).asks(actions, Action::SetFollows(follows));
         }
     });
 }
@@ -179,7 +177,7 @@ fn law(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {
 
 /// Where the drive starts and turns, and its step.
 fn drive(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {
-    let (drive, told) = (state.scene.drive, machine::told(state));
+    let (drive, told) = (state.scene.drive, state.told());
     let (unit, suffix) = (told.unit, told.suffix.trim());
     let far = -1e4..=1e4;
     if let Some(value) = number(
@@ -251,9 +249,7 @@ fn models(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {
             let radio = radio(ui, &state.asked, &asked, word).on_hover_text(why);
             let name = format!("Model: {word}");
             choosable(&radio, egui::Role::RadioButton, chosen, &name);
-            if radio.clicked() {
-                actions.push(Action::SetStrategy(asked));
-            }
+            radio.asks(actions, Action::SetStrategy(asked));
         }
     });
 }
@@ -262,9 +258,7 @@ fn methods(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {
     explain(ui.label("Method"), "Method");
     for method in MethodKind::ALL {
         let radio = radio(ui, &state.method, &method, method.title());
-        if explain(radio, method.title()).clicked() {
-            actions.push(Action::SetMethod(method));
-        }
+        explain(radio, method.title()).asks(actions, Action::SetMethod(method));
     }
 }
 

@@ -6,13 +6,13 @@ use super::files::{Files, page};
 use super::gap_picture::Maps;
 use super::tabs::Tabs;
 use super::view_state::{Begin, ViewState};
-use super::{keys, layout};
+use super::{commands, layout};
 use crate::follow::record::Cause;
 use crate::lessons::Progress;
 use crate::storage::{click, drawing, presets, scene_file};
 use crate::worker::job::{Job, Reporter};
-use crate::worker::protocol::{Command, Envelope, Event};
-use crate::worker::{SolverHandle, sound};
+use crate::worker::protocol::Event;
+use crate::worker::{self, SolverHandle};
 use egui::containers::PanelState;
 use egui::{Context, Ui};
 use serde::{Deserialize, Serialize};
@@ -116,7 +116,8 @@ impl App {
         self.tabs.update(&mut self.state, &*self.solver);
         self.maps.update(&ctx, &self.state);
         let mut actions = Vec::new();
-        keys::collect(&ctx, &self.state, self.dialogs.is_open(), &mut actions);
+        let with = (&self.state, &self.tabs);
+        commands::of_keys(&ctx, with, self.dialogs.is_open(), &mut actions);
         let dropped = ctx.input(|input| input.raw.dropped_files.clone());
         let dropped = dropped.into_iter().map(|file| file.path().to_owned());
         actions.extend(dropped.take(1).map(Action::Open));
@@ -338,13 +339,6 @@ impl eframe::App for App {
             storage.set_string(SITTING, text);
         }
     }
-
-    fn on_exit(&mut self, _gl: Option<&eframe::glow::Context>) {
-        self.solver.send(Envelope {
-            run: self.state.run.id,
-            message: Command::Quit,
-        });
-    }
 }
 
 /// Makes the sound and returns at its end, on a thread of its own; or says why it cannot.
@@ -354,7 +348,7 @@ pub type Player = Arc<dyn Fn() -> Result<(), String> + Send + Sync>;
 fn desktop_player() -> Player {
     Arc::new(|| {
         let file = click::file().map_err(|error| error.to_string())?;
-        sound::play(file.path())
+        worker::play(file.path())
     })
 }
 

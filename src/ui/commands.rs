@@ -1,14 +1,12 @@
-//! The palette of commands (Ctrl+K): everything the window does, found by its name and run from the
-//! keyboard.
+//! Everything the window does, found by its name in the palette (Ctrl+K) or asked for by its keys.
 
 use super::action::{Action, FILE_TASKS, KeepFrom, LessonAct, ProfileLine, ViewOptions};
-use super::grip;
-use super::machine::{self, Told};
 use super::tabs::Tabs;
 use super::toolbar::SPEEDS;
-use super::view_state::ViewState;
+use super::view_state::{Told, ViewState};
 use super::widgets;
-use crate::lessons;
+use super::{grip, sliders};
+use crate::lessons::{self, Question, Stage};
 use crate::physics::law::Shape;
 use crate::plot::style::Colours;
 use crate::scene::edit;
@@ -18,8 +16,8 @@ use crate::storage::presets;
 use crate::worker::protocol::Sweep;
 use egui::text_edit::TextEditState;
 use egui::{
-    Align, Align2, Context, Event, Id, Key, Layout, Modifiers, RichText, ScrollArea, TextEdit,
-    ThemePreference, Ui, Window,
+    Align, Align2, Context, Event, Id, Key, Layout, Modifiers, Popup, RichText, ScrollArea,
+    TextEdit, ThemePreference, Ui, Window,
 };
 
 /// Something that can be done now.
@@ -34,34 +32,49 @@ pub struct Command {
 }
 
 impl Command {
-    fn new(name: &str, keys: &'static str, action: Action) -> Self {
+    fn new(name: impl Into<String>, keys: &'static str, action: Action) -> Self {
         Self {
-            name: name.to_owned(),
+            name: name.into(),
             keys,
             actions: vec![action],
         }
     }
 }
 
+/// Commands by their names and keys.
+fn rows<const N: usize>(rows: [(&str, &'static str, Action); N]) -> [Command; N] {
+    rows.map(|(name, keys, action)| Command::new(name, keys, action))
+}
+
+/// Commands without keys, each under a word of a `group`.
+fn of<T>(
+    group: &str,
+    choices: impl IntoIterator<Item = T>,
+    choice: impl Fn(T) -> (String, Action),
+) -> Vec<Command> {
+    let choices = choices.into_iter().map(choice);
+    choices
+        .map(|(word, action)| Command::new(format!("{group} {word}"), "", action))
+        .collect()
+}
+
 /// Everything that can be done in this state.
 fn all(state: &ViewState, tabs: &Tabs) -> Vec<Command> {
-    let one = Command::new;
     let mut list = motions(state);
     list.extend(pushes(state));
     list.extend(files());
-    list.extend([
-        one("Undo", "Ctrl+Z", Action::Undo),
-        one("Redo", "Ctrl+Y", Action::Redo),
-    ]);
+    list.extend(rows([
+        ("Undo", "Ctrl+Z", Action::Undo),
+        ("Redo", "Ctrl+Y", Action::Redo),
+    ]));
     list.extend(views(state));
-    list.extend(profiles(state));
-    list.extend(colours(state));
+    list.extend(looks(state));
     let titles = lessons::all().iter().enumerate();
-    list.extend(titles.map(|(index, lesson)| {
+    list.extend(of("Lesson:", titles, |(index, lesson)| {
         let start = Action::Lesson(LessonAct::Start(index));
-        one(&format!("Lesson: {}", lesson.title), "", start)
+        (lesson.title.clone(), start)
     }));
-    list.push(one("Quit", "Ctrl+Q", Action::Quit));
+    list.push(Command::new("Quit", "Ctrl+Q", Action::Quit));
     list.extend(scenes(state));
     list.extend(choices(state));
     let of_tabs = tabs.commands(state).into_iter();
@@ -75,57 +88,40 @@ fn all(state: &ViewState, tabs: &Tabs) -> Vec<Command> {
 
 /// What moves u0, and what goes along the loop.
 fn motions(state: &ViewState) -> Vec<Command> {
-    let one = Command::new;
-    vec![
-        one("Play approach", "", Action::Play(Sweep::Approach)),
-        one("Play retract", "", Action::Play(Sweep::Retract)),
-        one("Play loop", "", Action::Play(Sweep::Loop)),
-        one("Play or pause", "Space", Action::TogglePlay),
-        one("Stop", "Esc", Action::Stop),
-        one("Reverse", "R", Action::Reverse),
-        one("One increment onwards", ".", Action::Increment),
-        one(
-            "Go to the start of the drive",
-            "Home",
-            Action::SetTarget(state.limits.1),
-        ),
-        one(
+    use Action::*;
+    let (turn, start) = state.limits;
+    let before = "A | B: compare with the scene before the last edit";
+    rows([
+        ("Play approach", "", Play(Sweep::Approach)),
+        ("Play retract", "", Play(Sweep::Retract)),
+        ("Play loop", "", Play(Sweep::Loop)),
+        ("Play or pause", "Space", TogglePlay),
+        ("Stop", "Esc", Stop),
+        ("Reverse", "R", Reverse),
+        ("One increment onwards", ".", Increment),
+        ("Go to the start of the drive", "Home", SetTarget(start)),
+        (
             "Go to the turning point of the drive",
             "End",
-            Action::SetTarget(state.limits.0),
+            SetTarget(turn),
         ),
-        one("Reset to rest at the start", "", Action::Reset),
-        one("Look at the next jump", "J", Action::StepJump(1)),
-        one("Look at the jump before", "K", Action::StepJump(-1)),
-        one(
-            "Look at the stored state before",
-            "[",
-            Action::StepState(-1),
-        ),
-        one("Look at the stored state after", "]", Action::StepState(1)),
-        one("Go on from the stored state", "G", Action::GoOn),
-        one(
-            "Keep this loop on the plot",
-            "L",
-            Action::Keep(KeepFrom::Best),
-        ),
-        one(
+        ("Reset to rest at the start", "", Reset),
+        ("Look at the next jump", "J", StepJump(1)),
+        ("Look at the jump before", "K", StepJump(-1)),
+        ("Look at the stored state before", "[", StepState(-1)),
+        ("Look at the stored state after", "]", StepState(1)),
+        ("Go on from the stored state", "G", GoOn),
+        ("Keep this loop on the plot", "L", Keep(KeepFrom::Best)),
+        (
             "Keep what was walked on the plot",
             "",
-            Action::Keep(KeepFrom::Walked),
+            Keep(KeepFrom::Walked),
         ),
-        one(
-            "Keep the live loop on the plot",
-            "",
-            Action::Keep(KeepFrom::Live),
-        ),
-        one("Bring the deleted loop back", "", Action::BringKeptBack),
-        one(
-            "A | B: compare with the scene before the last edit",
-            "",
-            Action::CompareWithBefore,
-        ),
-    ]
+        ("Keep the live loop on the plot", "", Keep(KeepFrom::Live)),
+        ("Bring the deleted loop back", "", BringKeptBack),
+        (before, "", CompareWithBefore),
+    ])
+    .into()
 }
 
 /// Pushes into the middle of the cell.
@@ -141,144 +137,105 @@ fn pushes(state: &ViewState) -> [Command; 2] {
 fn files() -> impl Iterator<Item = Command> {
     let tasks = FILE_TASKS.into_iter().flatten().map(|row| {
         let [name, keys] = row.command;
-        (name, keys, Action::AskFile(row.task))
+        Command::new(name, keys, Action::AskFile(row.task))
     });
     let picture = "Copy the picture of the stress curve";
-    let copies = [
+    tasks.chain(rows([
         ("Copy the scene as text", "Ctrl+C", Action::CopyScene),
         (picture, "", Action::CopyPicture),
-    ];
-    let all = tasks.chain(copies);
-    all.map(|(name, keys, action)| Command::new(name, keys, action))
+    ]))
 }
 
 /// What changes how things are shown.
 fn views(state: &ViewState) -> Vec<Command> {
-    let one = Command::new;
-    let click = state.messages.click;
-    let view = Action::SetView;
+    use Action::*;
+    let (view, click, overlay) = (state.view, state.messages.click, state.plots.overlay);
     let on = |what: &str, is: bool| format!("{} {what}", if is { "Hide" } else { "Show" });
-    vec![
-        one("Fit the axes to the data", "", Action::FitData),
-        one("Axes of the scene", "", Action::FitScene),
-        one(
-            &on("theory over the live plot", state.plots.overlay),
+    let soft_mode = ViewOptions {
+        soft_mode: !view.soft_mode,
+        ..view
+    };
+    let snap = ["Click at a snap", "No click at a snap"][usize::from(click)];
+    rows([
+        ("Fit the axes to the data", "", FitData),
+        ("Axes of the scene", "", FitScene),
+        (
+            &on("theory over the live plot", overlay),
             "",
-            Action::OverlayTheory(!state.plots.overlay),
+            OverlayTheory(!overlay),
         ),
-        one(
-            &on("the soft mode on the map", state.view.soft_mode),
+        (
+            &on("the soft mode on the map", view.soft_mode),
             "",
-            view(ViewOptions {
-                soft_mode: !state.view.soft_mode,
-                ..state.view
-            }),
+            SetView(soft_mode),
         ),
-        one("Theme: light", "", Action::SetTheme(ThemePreference::Light)),
-        one("Theme: dark", "", Action::SetTheme(ThemePreference::Dark)),
-        one(
+        ("Theme: light", "", SetTheme(ThemePreference::Light)),
+        ("Theme: dark", "", SetTheme(ThemePreference::Dark)),
+        (
             "Theme: that of the system",
             "",
-            Action::SetTheme(ThemePreference::System),
+            SetTheme(ThemePreference::System),
         ),
-        one(
-            if click {
-                "No click at a snap"
-            } else {
-                "Click at a snap"
-            },
-            "",
-            Action::SetClick(!click),
-        ),
-        one("Lecture mode", "F11", Action::ToggleLecture),
-        one("Restore layout", "", Action::RestoreLayout),
-        one("Keys and marks", "?", Action::ToggleHelp),
-    ]
+        (snap, "", SetClick(!click)),
+        ("Lecture mode", "F11", ToggleLecture),
+        ("Restore layout", "", RestoreLayout),
+        ("Keys and marks", "?", ToggleHelp),
+    ])
+    .into()
 }
 
-/// The colours of maps.
-fn colours(state: &ViewState) -> [Command; 2] {
-    Colours::ALL.map(|(colours, word)| {
-        let view = ViewOptions {
-            colours,
-            ..state.view
-        };
-        Command::new(&format!("Colours: {word}"), "", Action::SetView(view))
-    })
-}
-
-/// Where the profile is cut.
-fn profiles(state: &ViewState) -> [Command; 3] {
-    [
+/// Where the profile is cut, and the colours of maps.
+fn looks(state: &ViewState) -> Vec<Command> {
+    let view = state.view;
+    let cuts = [
         ("the middle of the pattern", ProfileLine::Auto),
         ("the middle of the map along x", ProfileLine::AlongX(0.5)),
         ("the middle of the map along y", ProfileLine::AlongY(0.5)),
-    ]
-    .map(|(place, profile)| {
-        let view = ViewOptions {
-            profile,
-            ..state.view
-        };
-        Command::new(
-            &format!("Profile through {place}"),
-            "",
-            Action::SetView(view),
-        )
-    })
-}
-
-/// The presets, and the scene with another law.
-fn scenes(state: &ViewState) -> Vec<Command> {
-    let one = Command::new;
-    let mut list = Vec::new();
-    list.extend(presets::all().iter().enumerate().map(|(i, preset)| {
-        const KEYS: [&str; 9] = ["1", "2", "3", "4", "5", "6", "7", "8", "9"];
-        one(
-            &format!("Preset {}", preset.name),
-            KEYS.get(i).unwrap_or(&""),
-            Action::LoadPreset(i),
-        )
-    }));
-    list.extend(Shape::all().into_iter().map(|shape| {
-        let scene = edit::with_shape(&state.scene, &state.model, shape);
-        one(
-            &format!("Cohesive law: {}", shape.word().replace('_', " ")),
-            "",
-            Action::edit(scene),
-        )
+    ];
+    let mut list = of("Profile through", cuts, |(place, profile)| {
+        let view = ViewOptions { profile, ..view };
+        (place.to_owned(), Action::SetView(view))
+    });
+    list.extend(of("Colours:", Colours::ALL, |(colours, word)| {
+        let view = ViewOptions { colours, ..view };
+        (word.to_owned(), Action::SetView(view))
     }));
     list
 }
 
+/// The presets, and the scene with another law.
+fn scenes(state: &ViewState) -> Vec<Command> {
+    const KEYS: [&str; 9] = ["1", "2", "3", "4", "5", "6", "7", "8", "9"];
+    let presets = presets::all().iter().enumerate().map(|(i, preset)| {
+        let (name, keys) = (format!("Preset {}", preset.name), KEYS.get(i));
+        Command::new(name, keys.unwrap_or(&""), Action::LoadPreset(i))
+    });
+    let laws = of("Cohesive law:", Shape::all(), |shape| {
+        let scene = edit::with_shape(&state.scene, &state.model, shape);
+        (shape.word().replace('_', " "), Action::edit(scene))
+    });
+    presets.chain(laws).collect()
+}
+
 /// The speed, the model and the method of the walk.
 fn choices(state: &ViewState) -> Vec<Command> {
-    let one = Command::new;
-    let view = Action::SetView;
-    let mut list = Vec::new();
-    list.extend(SPEEDS.map(|(speed, _, words)| {
-        one(
-            &format!("Speed: {words}"),
-            "",
-            view(ViewOptions {
-                speed,
-                ..state.view
-            }),
-        )
-    }));
     let models = [
         (None, "as planned"),
         (Some(Strategy::WHOLE), "whole cell"),
         (Some(Strategy::QUARTER), "quarter"),
     ];
-    list.extend(
-        models.map(|(asked, word)| one(&format!("Model: {word}"), "", Action::SetStrategy(asked))),
-    );
-    list.extend(MethodKind::ALL.map(|method| {
-        one(
-            &format!("Method: {}", method.title()),
-            "",
-            Action::SetMethod(method),
-        )
+    let mut list = of("Speed:", SPEEDS, |(speed, _, words)| {
+        let view = ViewOptions {
+            speed,
+            ..state.view
+        };
+        (words.to_owned(), Action::SetView(view))
+    });
+    list.extend(of("Model:", models, |(asked, word)| {
+        (word.to_owned(), Action::SetStrategy(asked))
+    }));
+    list.extend(of("Method:", MethodKind::ALL, |method| {
+        (method.title().to_owned(), Action::SetMethod(method))
     }));
     list
 }
@@ -291,15 +248,12 @@ pub fn found(state: &ViewState, tabs: &Tabs, words: &str) -> Vec<Command> {
         suffix,
         unit,
         ..
-    } = machine::told(state);
+    } = state.told();
     let (low, high) = (state.limits.0 / unit, state.limits.1 / unit);
     let place = widgets::parse(words).filter(|value| (low..=high).contains(value));
     let go = place.map(|value| {
-        Command::new(
-            &format!("Go to {symbol} = {value}{suffix}"),
-            "",
-            Action::SetTarget(value * unit),
-        )
+        let name = format!("Go to {symbol} = {value}{suffix}");
+        Command::new(name, "", Action::SetTarget(value * unit))
     });
     let wanted: Vec<String> = words.split_whitespace().map(str::to_lowercase).collect();
     let fits = |command: &Command| {
@@ -310,12 +264,201 @@ pub fn found(state: &ViewState, tabs: &Tabs, words: &str) -> Vec<Command> {
     let guess = place.filter(|_| guesses && !state.scene.control().frees_mean());
     let guess = guess.map(|value| {
         let name = format!("Guess the first jump at {symbol} = {value}{suffix}");
-        Command::new(&name, "", Action::Guess(value * unit / state.rho()))
+        Command::new(name, "", Action::Guess(value * unit / state.rho()))
     });
     go.into_iter()
         .chain(guess)
         .chain(all(state, tabs).into_iter().filter(fits))
         .collect()
+}
+
+/// The sheet of keys: key, what it does.
+pub const SHEET: [(&str, &str); 25] = [
+    (
+        "Ctrl+K",
+        "everything by its name: laws, presets, figures, files",
+    ),
+    (
+        "← → or ↓ ↑",
+        "one step of u₀, w or F down, up (with Shift a tenth)",
+    ),
+    ("PgDn PgUp", "ten steps down, up"),
+    ("Home End", "start, turning point"),
+    ("Space", "play, pause"),
+    (".", "one increment onwards"),
+    ("R", "reverse"),
+    ("Esc", "close what is on top; stop; back to the present"),
+    ("1 … 9", "presets"),
+    ("S", "export a picture"),
+    ("J K", "next jump, jump before"),
+    ("L", "keep this loop on the plot, to compare others with it"),
+    (
+        "Click or drag on curve or strip",
+        "that stored state, everywhere",
+    ),
+    ("[ ]", "the stored state before, after"),
+    ("G", "go on from the stored state that is shown"),
+    ("Ctrl+C Ctrl+V", "copy the scene as text, open one"),
+    ("Ctrl+O Ctrl+S", "open, save a scene"),
+    ("Ctrl+Z Ctrl+Y", "undo, redo a scene edit (one drag is one)"),
+    ("Enter Backspace", "in a lesson: answer and go on; back"),
+    ("F11", "lecture mode"),
+    ("Ctrl+Q", "quit"),
+    ("Tab", "from control to control"),
+    (
+        "Alt while dragging on the map",
+        "press a bump (down) or a dimple (up); wheel: width",
+    ),
+    ("Shift while dragging", "fine u₀; an upright profile line"),
+    ("?", "this sheet"),
+];
+
+/// Coarse steps of PgUp and PgDn, in increments.
+const COARSE: f64 = 10.0;
+
+/// A step of a guess by key, in ranges; with Shift a tenth of it.
+const GUESS: f64 = 0.1;
+
+/// Turns this frame's key presses into actions. They do not fire while something is being typed, nor
+/// take the arrows away from a focused widget other than the slider of what is driven; `dialog_open`
+/// leaves only what concerns the dialog.
+pub fn of_keys(
+    ctx: &Context,
+    with: (&ViewState, &Tabs),
+    dialog_open: bool,
+    actions: &mut Vec<Action>,
+) {
+    let focused = ctx.memory(egui::Memory::focused);
+    let free = focused.is_none() || focused == Some(sliders::driven_id());
+    let presses: Vec<(Key, Modifiers, bool)> = ctx.input(|input| {
+        let pressed = |event: &Event| match event {
+            Event::Key {
+                key,
+                pressed: true,
+                repeat,
+                modifiers,
+                ..
+            } => Some((*key, *modifiers, *repeat)),
+            _ => None,
+        };
+        input.events.iter().filter_map(pressed).collect()
+    });
+    if free && !dialog_open {
+        let said: Vec<Action> = ctx.input(|input| input.events.iter().filter_map(said).collect());
+        actions.extend(said);
+    }
+    // A menu closes itself.
+    let menu = Popup::is_any_open(ctx);
+    for (key, modifiers, repeat) in presses {
+        if menu && key == Key::Escape {
+            continue;
+        }
+        // What is typed from here on is the palette's.
+        if !dialog_open && actions.contains(&Action::ToggleCommands) {
+            break;
+        }
+        let action = if modifiers.command {
+            of_key((key, modifiers, repeat), with).filter(|action| free || !of_text(action))
+        } else if dialog_open {
+            (key == Key::Escape).then_some(Action::CloseDialog)
+        } else if free && let Some(act) = in_lesson(key, modifiers, with.0) {
+            Some(Action::Lesson(act))
+        } else if free {
+            of_key((key, modifiers, repeat), with)
+        } else {
+            None
+        };
+        actions.extend(action);
+    }
+}
+
+/// Commands whose keys are not heard as keys, but as what they say.
+const SAID: [&str; 2] = ["?", "Ctrl+C"];
+
+/// What a key asks for, in a lesson or a dialog aside: the commands of the palette by their keys, and
+/// what has no name there. Few go on while they are held down.
+fn of_key(
+    (key, modifiers, repeat): (Key, Modifiers, bool),
+    (state, tabs): (&ViewState, &Tabs),
+) -> Option<Action> {
+    let (command, fine) = (modifiers.command, if modifiers.shift { 0.1 } else { 1.0 });
+    match key {
+        Key::K if command => return Some(Action::ToggleCommands),
+        Key::Z if command && modifiers.shift => return Some(Action::Redo),
+        _ if command => {}
+        Key::ArrowLeft | Key::ArrowDown => return Some(Action::Step(-fine)),
+        Key::ArrowRight | Key::ArrowUp => return Some(Action::Step(fine)),
+        Key::PageDown => return Some(Action::Step(-COARSE)),
+        Key::PageUp => return Some(Action::Step(COARSE)),
+        Key::Escape | Key::F1 if repeat => return None,
+        Key::F1 => return Some(Action::ToggleHelp),
+        Key::Escape => return Some(escape(state)),
+        _ => {}
+    }
+    let is_it = |known: &Command| {
+        let name = known.keys.strip_prefix("Ctrl+");
+        name.is_some() == command
+            && Key::from_name(name.unwrap_or(known.keys)) == Some(key)
+            && !SAID.contains(&known.keys)
+    };
+    let action = all(state, tabs).into_iter().find(is_it)?.actions.pop()?;
+    let step = matches!(
+        action,
+        Action::Increment | Action::StepJump(_) | Action::StepState(_)
+    );
+    (!repeat || command || step).then_some(action)
+}
+
+/// What is on top.
+fn escape(state: &ViewState) -> Action {
+    let busy = state.run.is_busy();
+    if state.run.selection.is_some() && !busy {
+        Action::ClearSelection
+    } else if state.messages.failure.is_some() && !busy {
+        Action::DismissFailure
+    } else if state.view.lecture && !busy {
+        Action::ToggleLecture
+    } else {
+        Action::Stop
+    }
+}
+
+/// What a key does in a lesson: the answer, and onwards or back.
+fn in_lesson(key: Key, modifiers: Modifiers, state: &ViewState) -> Option<LessonAct> {
+    let (_, progress) = state.lesson()?;
+    let chosen = |index: f64| Some(LessonAct::Choose(index));
+    match (key, state.asked()) {
+        (Key::Enter, Some(_)) => Some(LessonAct::Commit),
+        (Key::Enter, None) => (progress.stage == Stage::Explained).then_some(LessonAct::Next),
+        (Key::Backspace, _) => Some(LessonAct::Back),
+        (Key::Num1, Some((Question::Choice { .. }, _))) => chosen(0.0),
+        (Key::Num2, Some((Question::Choice { .. }, _))) => chosen(1.0),
+        (Key::Num3, Some((Question::Choice { .. }, _))) => chosen(2.0),
+        (Key::ArrowLeft | Key::ArrowRight, Some((Question::Guess { .. }, answer))) => {
+            let [low, high] = state.guessable();
+            let step = GUESS * if modifiers.shift { 0.1 } else { 1.0 };
+            let way = if key == Key::ArrowLeft { -step } else { step };
+            let from = answer.unwrap_or(0.5 * (low + high));
+            chosen((from + way).clamp(low, high))
+        }
+        _ => None,
+    }
+}
+
+/// What is not told by keys: the clipboard, and the sign that opens the sheet, which lies on another
+/// key of every layout.
+fn said(event: &Event) -> Option<Action> {
+    match event {
+        Event::Text(text) if text == "?" => Some(Action::ToggleHelp),
+        Event::Copy => Some(Action::CopyScene),
+        Event::Paste(text) => Some(Action::PasteScene(text.clone())),
+        _ => None,
+    }
+}
+
+/// What a text field has of its own.
+fn of_text(action: &Action) -> bool {
+    matches!(action, Action::Undo | Action::Redo)
 }
 
 /// The open palette.

@@ -2,18 +2,20 @@
 //! the mesh is fine enough, and what is folded away.
 
 use super::action::{Action, FileTask};
+use super::advanced;
 use super::theme::{self, Palette};
 use super::view_state::ViewState;
-use super::widgets::{card, given, labelled, number, own};
+use super::widgets::{Asks, card, given, labelled, number, own};
 use super::words::{self, explain};
-use super::{advanced, machine};
+use crate::physics::control::Control;
 use crate::physics::indenter::{Indenter, Measured};
 use crate::physics::law::{Law, Shape};
 use crate::physics::mesh_rule;
 use crate::physics::parameter::Parameter;
 use crate::scene::edit::{self, Follows};
 use crate::scene::parameter;
-use egui::{Mesh, Painter, Rect, RichText, Stroke, Ui, pos2, vec2};
+use egui::{Mesh, Painter, Rect, RichText, Stroke, StrokeKind, Ui, pos2, vec2};
+use std::f64::consts::PI;
 
 /// The panel's contents; it scrolls where the window is low.
 pub fn show(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {
@@ -30,7 +32,7 @@ pub fn show(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {
             laws(ui, state, actions);
             ui.add_space(4.0);
             heading(ui, "Machine");
-            machine::show(ui, state, actions);
+            machines(ui, state, actions);
             ui.separator();
             cell(ui, state, actions);
             mesh(ui, state, actions);
@@ -232,9 +234,7 @@ fn height_file(ui: &mut Ui, measured: &Measured, actions: &mut Vec<Action>) {
     labelled(ui, "Height file", |ui| {
         let button = ui.add(egui::Button::new(&*name).truncate());
         let button = button.on_hover_text(file.display().to_string());
-        if button.clicked() {
-            actions.push(Action::AskFile(FileTask::OpenHeights));
-        }
+        button.asks(actions, Action::AskFile(FileTask::OpenHeights));
         button
     });
 }
@@ -265,5 +265,103 @@ pub fn sketch(kind: &Indenter, painter: &Painter, rect: Rect, palette: &Palette)
         }
     } else {
         painter.line(line, Stroke::new(1.4, palette.now));
+    }
+}
+
+/// Stiffness of a spring that is chosen anew, over that of the softest wave of the body: soft
+/// enough that patterns are skipped.
+const SOFT: f64 = 3.0;
+
+/// The choice, and the stiffness of a spring.
+fn machines(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {
+    let (scene, model) = (&state.scene, &state.model);
+    let present = scene.drive.control;
+    let wave = PI / model.equivalent_length;
+    let mut asked = None;
+    let width = (ui.available_width() - 12.0) / 3.0;
+    ui.horizontal(|ui| {
+        ui.spacing_mut().item_spacing.x = 6.0;
+        for kind in Control::all(SOFT * wave) {
+            let (name, what) = match kind {
+                Control::Displacement => ("stiff", "the mean displacement is driven"),
+                Control::Spring { .. } => ("spring", "a stage pulls through a spring"),
+                Control::Load => ("weight", "the load is driven: a dead weight"),
+            };
+            let chosen = kind.word() == present.word();
+            let size = vec2(width, 62.0);
+            let drawn = |painter: &Painter, rect: Rect, palette: &Palette| {
+                between(kind, painter, rect, palette);
+            };
+            let response = card(ui, ("machine", name), chosen, size, drawn);
+            if response.on_hover_text(what).clicked() && !chosen {
+                asked = Some(kind);
+            }
+        }
+    });
+    if let Control::Spring { stiffness } = present {
+        let range = 1e-9..=1e9;
+        let wanted = given(ui, actions, scene, &parameter::STIFFNESS, stiffness, range);
+        asked = asked.or(wanted.map(|stiffness| Control::Spring { stiffness }));
+        ui.small(if scene.control().stiffness() < wave {
+            "Softer than the body's softest wave: it snaps as one block."
+        } else {
+            "The spring's line in the plot touches the curve where it snaps."
+        });
+    }
+    if let Some(control) = asked {
+        actions.push(Action::edit(edit::with_control(scene, model, control)));
+    }
+}
+
+/// A stage above, the body below, and what is between.
+fn between(kind: Control, painter: &Painter, rect: Rect, palette: &Palette) {
+    let stroke = Stroke::new(1.8, palette.retraction);
+    let (x, top, low) = (rect.center().x, rect.top() + 9.0, rect.bottom() - 30.0);
+    let body = Rect::from_min_max(
+        pos2(rect.left() + 12.0, low),
+        pos2(rect.right() - 12.0, low + 9.0),
+    );
+    painter.rect_filled(body, 2.0, palette.elastomer);
+    let stage = |y: f32| {
+        painter.hline(
+            rect.x_range().shrink(16.0),
+            y,
+            Stroke::new(3.0, palette.approach),
+        )
+    };
+    match kind {
+        Control::Displacement => {
+            stage(top);
+            painter.vline(x, top..=low, Stroke::new(5.0, palette.retraction));
+        }
+        Control::Spring { .. } => {
+            stage(top);
+            let turns = 7;
+            let zigzag = (0..=turns).map(|i| {
+                let side = match i {
+                    0 => 0.0,
+                    i if i == turns => 0.0,
+                    i if i % 2 == 0 => -6.0,
+                    _ => 6.0,
+                };
+                pos2(x + side, top + (low - top) * i as f32 / turns as f32)
+            });
+            painter.line(zigzag.collect(), stroke);
+        }
+        Control::Load => {
+            // Over a pulley.
+            let (left, right) = (x - 8.0, x + 8.0);
+            painter.circle_stroke(pos2(x, top + 4.0), 8.0, stroke);
+            painter.vline(left, top + 4.0..=low, stroke);
+            painter.vline(right, top + 4.0..=low - 10.0, stroke);
+            let weight = Rect::from_center_size(pos2(right, low - 6.0), vec2(10.0, 9.0));
+            painter.rect(
+                weight,
+                1.0,
+                palette.approach,
+                Stroke::NONE,
+                StrokeKind::Inside,
+            );
+        }
     }
 }

@@ -2,11 +2,10 @@
 //! commands. Nothing here waits.
 
 use super::action::{Action, FileTask};
-use super::commands::Palette;
-use super::keys;
+use super::commands::{self, Palette};
 use super::tabs::Tabs;
 use super::view_state::ViewState;
-use super::widgets::radio;
+use super::widgets::{Asks, radio};
 use crate::storage::files::{self, Effect};
 use egui::{Align2, Context, RichText, Ui, Window};
 use std::path::{Path, PathBuf};
@@ -253,9 +252,7 @@ impl FileDialog {
             {
                 browse = Some(self.task);
             }
-            if ui.button("Cancel").clicked() {
-                actions.push(Action::CloseDialog);
-            }
+            ui.button("Cancel").asks(actions, Action::CloseDialog);
         });
         browse
     }
@@ -323,7 +320,7 @@ fn help(ctx: &Context, actions: &mut Vec<Action>) {
             .num_columns(2)
             .spacing([18.0, 4.0])
             .show(ui, |ui| {
-                for (key, what) in keys::SHEET {
+                for (key, what) in commands::SHEET {
                     ui.label(RichText::new(key).strong());
                     ui.label(what);
                     ui.end_row();

@@ -22,13 +22,6 @@ use std::sync::{Arc, OnceLock};
 #[cfg(all(unix, not(target_os = "macos")))]
 use winit::platform::x11::EventLoopBuilderExtX11;
 
-/// What the window opens with.
-#[derive(Clone, Debug, Default)]
-pub struct Options {
-    /// The scene; the preset `fig2` if none.
-    pub scene: Option<Scene>,
-}
-
 /// The window's name for the desktop, and of the folder of its memory.
 const APP_ID: &str = "tackscope";
 
@@ -161,19 +154,8 @@ fn missing_library() -> Option<(&'static str, &'static str)> {
 /// # Errors
 /// One line that says why it could not be opened.
 pub fn run() -> Result<(), String> {
-    run_with(Options::default())
-}
-
-/// Opens the window and returns when it is closed.
-///
-/// # Errors
-/// One line that says why it could not be opened.
-pub fn run_with(options: Options) -> Result<(), String> {
     display_available()?;
-    let state = match options.scene {
-        Some(scene) => ViewState::new(scene),
-        None => ViewState::at_first_jump(opening_scene()?),
-    };
+    let state = ViewState::at_first_jump(opening_scene()?);
     let state = state.map_err(|error| error.to_string())?;
     let native = eframe::NativeOptions {
         viewport: egui::ViewportBuilder::default()

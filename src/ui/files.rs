@@ -3,12 +3,12 @@
 
 use super::action::FileTask;
 use super::dialogs::Dialogs;
-use super::gap_picture::{self, GapPicture};
+use super::gap_picture;
 use super::loop_plot;
 use super::tabs::Tabs;
 use super::view_state::{Extent, Saved, ViewState};
 use super::widgets::progress;
-use crate::physics::indenter::Indenter;
+use crate::physics::pattern::rolled;
 use crate::physics::topography::Topography;
 use crate::plot::loop_panel;
 use crate::plot::panel::Page;
@@ -271,8 +271,8 @@ impl FilmExport {
             scale::gap_scale(&state.scene, &state.model),
             state.view.colours,
         );
-        let centred = state.view.centred && state.model.indenter == Indenter::Flat;
-        let (contact, (low, high)) = (state.model.law.contact_gap(), state.limits);
+        let (view, model, (low, high)) = (state.view, state.model.clone(), state.limits);
+        let contact = model.law.contact_gap();
         let (file, ctx) = (path.to_owned(), ctx.clone());
         let job = Job::start(Arc::new(move || ctx.request_repaint()), move |report| {
             let count = shown.len();
@@ -281,11 +281,8 @@ impl FilmExport {
                 let frame = stored.frame();
                 let this = gap_picture::island(&frame, contact, island);
                 island = Some(this);
-                let gap = if centred {
-                    GapPicture::centred(&frame.gap, contact, this).gap
-                } else {
-                    (*frame.gap).clone()
-                };
+                let (dy, dx) = gap_picture::roll(&view, &model, &frame.gap, this);
+                let gap = rolled(&frame.gap, dy, dx);
                 let place = (stored.record.control - low) / (high - low);
                 Shot { gap, place }
             });

@@ -5,7 +5,7 @@ use super::action::{Action, ProfileLine, ViewOptions};
 use super::gap_picture::{GapPicture, MapCache, Maps, Segment};
 use super::view_state::ViewState;
 use super::widgets::{described, named};
-use super::{grip, headline, sliders, strip, theme};
+use super::{grip, headline, sliders, theme};
 use crate::lessons::Hidden;
 use crate::physics::parameter::Dimension;
 use crate::plot::{scale, ticks};
@@ -30,6 +30,8 @@ const WAITING: &str = "waiting for the solver …";
 /// Height of the line below the map, and what the profile takes of the column.
 const READING: f32 = 22.0;
 const PROFILE: f32 = 0.24;
+/// Height of the strip below the profile, with its margins.
+pub const STRIP: f32 = 54.0;
 /// The least height of the profile.
 const PROFILE_LEAST: f32 = 84.0;
 /// Width of the slider beside the map, and where there is less room.
@@ -51,7 +53,7 @@ pub fn show(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>, maps: &Ma
     let beside = state.beside();
     // Two maps take what a profile can spare.
     let profile = beside.map_or(PROFILE * ui.available_height(), |_| 0.0);
-    let below = profile.max(PROFILE_LEAST) + strip::HEIGHT + READING + 12.0;
+    let below = profile.max(PROFILE_LEAST) + STRIP + READING + 12.0;
     let room = vec2(width - slider - bar, ui.available_height() - below);
     // Beside the other one or above it, whichever makes both larger.
     let [row, column] = [vec2(1.0, 0.0), vec2(0.0, 1.0)].map(|way| {
@@ -144,7 +146,7 @@ fn soft_mode(ui: &Ui, state: &ViewState, cache: &MapCache, picture: &GapPicture,
         return;
     }
     let painter = ui.painter().with_clip_rect(band.intersect(ui.clip_rect()));
-    let colour = theme::palette_on(crate::plot::style::Ground::Dark).jump;
+    let colour = theme::over_maps().jump;
     let segment = |s: &Segment, width: f32, colour: Color32| {
         painter.line_segment(
             s.map(|p| picture.to_screen(band, p)),
@@ -232,7 +234,7 @@ fn profile_line(ui: &Ui, state: &ViewState, picture: &GapPicture, band: Rect) {
     let Some(ends) = line_ends(state, picture, band) else {
         return;
     };
-    let colour = theme::palette_on(crate::plot::style::Ground::Dark).retraction;
+    let colour = theme::over_maps().retraction;
     for (width, ink) in [(3.0, Color32::from_black_alpha(120)), (1.5, colour)] {
         let line = Shape::dashed_line(&ends, Stroke::new(width, ink), 7.0, 5.0);
         ui.painter().extend(line);
@@ -397,7 +399,7 @@ fn line_grip(
     let id = egui::Id::unique("profile_line");
     let response = ui.interact(area, id, Sense::click_and_drag());
     let response = named(response, "Profile line");
-    let colour = theme::palette_on(crate::plot::style::Ground::Dark).retraction;
+    let colour = theme::over_maps().retraction;
     let edge = Stroke::new(2.0, Color32::from_black_alpha(190));
     ui.painter().circle(centre, GRIP, colour, edge);
     let upright = ui.input(|i| i.modifiers.shift);

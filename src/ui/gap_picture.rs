@@ -48,6 +48,21 @@ pub fn island(frame: &Frame, contact_gap: f64, before: Option<Island>) -> Island
     known.unwrap_or_else(|| Island::of(&frame.gap, contact_gap))
 }
 
+/// By how many rows and columns a field is rolled: its island into the middle, if that is wanted and the
+/// ground lets it.
+pub fn roll(
+    view: &ViewOptions,
+    model: &Model,
+    gap: &Array2<f64>,
+    island: Island,
+) -> (usize, usize) {
+    if view.centred && model.indenter == Indenter::Flat {
+        shift_to_middle(gap, island)
+    } else {
+        (0, 0)
+    }
+}
+
 /// How a texture of a field is drawn.
 pub fn texture_options(view: &ViewOptions) -> TextureOptions {
     if view.smooth {
@@ -73,23 +88,9 @@ pub struct ModeLines {
 const MODE_LEVELS: [f64; 3] = [0.25, 0.5, 0.75];
 
 impl GapPicture {
-    /// Prepares a field as it is. `contact_gap` is the level of the contact line.
-    pub fn new(gap: &Array2<f64>, contact_gap: f64, island: Island) -> Self {
-        Self::rolled(gap, contact_gap, island, (0, 0))
-    }
-
-    /// The same with the island in the middle.
-    pub fn centred(gap: &Array2<f64>, contact_gap: f64, island: Island) -> Self {
-        Self::rolled(gap, contact_gap, island, shift_to_middle(gap, island))
-    }
-
-    /// The same rolled by so many rows and columns.
-    pub fn rolled(
-        gap: &Array2<f64>,
-        contact_gap: f64,
-        island: Island,
-        roll: (usize, usize),
-    ) -> Self {
+    /// Prepares a field, rolled by so many rows and columns. `contact_gap` is the level of the contact
+    /// line.
+    pub fn new(gap: &Array2<f64>, contact_gap: f64, island: Island, roll: (usize, usize)) -> Self {
         let (dy, dx) = roll;
         let gap = rolled(gap, dy, dx);
         let (min, max) = ends(gap.iter().copied());
@@ -333,8 +334,7 @@ impl MapCache {
             self.made_from = None;
             return;
         };
-        let centred = view.centred && model.indenter == Indenter::Flat;
-        let drawn = (centred, view.smooth, view.soft_mode, view.colours, top);
+        let drawn = (view.centred, view.smooth, view.soft_mode, view.colours, top);
         let made_from = self.made_from.as_ref();
         if made_from.is_some_and(|(of, so)| Arc::ptr_eq(of, frame) && *so == drawn) {
             return;
@@ -342,13 +342,8 @@ impl MapCache {
         let contact = model.law.contact_gap();
         let before = self.picture.as_ref().map(|picture| picture.island);
         let island = island(frame, contact, before);
-        let picture = if let Some(roll) = roll {
-            GapPicture::rolled(&frame.gap, contact, island, roll)
-        } else if centred {
-            GapPicture::centred(&frame.gap, contact, island)
-        } else {
-            GapPicture::new(&frame.gap, contact, island)
-        };
+        let roll = roll.unwrap_or_else(|| self::roll(&view, model, &frame.gap, island));
+        let picture = GapPicture::new(&frame.gap, contact, island, roll);
         let options = texture_options(&view);
         let image = picture.image(top, view.colours);
         match &mut self.texture {
@@ -369,15 +364,21 @@ impl MapCache {
         let (Some(texture), Some(picture)) = (&self.texture, &self.picture) else {
             return false;
         };
-        let all = Rect::from_min_max(pos2(0.0, 0.0), pos2(1.0, 1.0));
-        ui.painter().image(texture.id(), band, all, Color32::WHITE);
-        let painter = ui.painter().with_clip_rect(band.intersect(ui.clip_rect()));
-        for line in &picture.contour {
-            let line = line.iter().map(|at| picture.to_screen(band, *at));
-            let white = Stroke::new(1.6, Color32::WHITE);
-            painter.add(Shape::line(line.collect(), white));
-        }
+        draw(ui, texture, (band, 1.6), Some(picture));
         true
+    }
+}
+
+/// Draws a texture in its place, with the contact lines of a picture of this width.
+pub fn draw(ui: &Ui, texture: &TextureHandle, (band, width): (Rect, f32), of: Option<&GapPicture>) {
+    let painter = ui.painter().with_clip_rect(band.intersect(ui.clip_rect()));
+    let all = Rect::from_min_max(pos2(0.0, 0.0), pos2(1.0, 1.0));
+    painter.image(texture.id(), band, all, Color32::WHITE);
+    let lines = of.map(|picture| picture.contour.iter().map(move |line| (picture, line)));
+    for (picture, line) in lines.into_iter().flatten() {
+        let line = line.iter().map(|at| picture.to_screen(band, *at));
+        let white = Stroke::new(width, Color32::WHITE);
+        painter.add(Shape::line(line.collect(), white));
     }
 }
 
@@ -411,7 +412,12 @@ mod tests {
     }
 
     fn on_its_own(gap: &Array2<f64>, contact_gap: f64) -> GapPicture {
-        GapPicture::centred(gap, contact_gap, Island::of(gap, contact_gap))
+        let island = Island::of(gap, contact_gap);
+        centred(gap, contact_gap, island)
+    }
+
+    fn centred(gap: &Array2<f64>, contact_gap: f64, island: Island) -> GapPicture {
+        GapPicture::new(gap, contact_gap, island, shift_to_middle(gap, island))
     }
 
     #[test]
@@ -433,7 +439,7 @@ mod tests {
     fn a_hole_larger_than_the_contact_around_it_is_in_the_middle_where_it_is_known_to_be_one() {
         let field = island(32, 32, 3.0, 29.0) * -1.0 + 6.0;
         assert_eq!(on_its_own(&field, 1.0).island, Island::Contact);
-        let picture = GapPicture::centred(&field, 1.0, Island::Hole);
+        let picture = centred(&field, 1.0, Island::Hole);
         assert_eq!(picture.gap[(16, 16)], picture.max);
     }
 
@@ -448,7 +454,7 @@ mod tests {
 
     #[test]
     fn the_contact_line_of_an_island_is_a_closed_ring_of_its_radius() {
-        let picture = GapPicture::new(&island(64, 64, 32.0, 32.0), 2.3, Island::Contact);
+        let picture = GapPicture::new(&island(64, 64, 32.0, 32.0), 2.3, Island::Contact, (0, 0));
         let [ring] = &picture.contour[..] else {
             panic!("{} lines", picture.contour.len())
         };
@@ -470,7 +476,7 @@ mod tests {
         let ridge = Array2::from_shape_fn((16, 32), |(_, i)| {
             3.0 - (TAU * (i as f64 - 16.0) / 32.0).cos()
         });
-        let picture = GapPicture::new(&ridge, 2.5, Island::Contact);
+        let picture = GapPicture::new(&ridge, 2.5, Island::Contact, (0, 0));
         assert_eq!(picture.contour.len(), 2);
         for line in &picture.contour {
             let rows = || line.iter().map(|p| p[1]);

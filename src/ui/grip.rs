@@ -26,6 +26,8 @@ const PULSE: f64 = 1.6;
 const PICTURE: Duration = Duration::from_millis(40);
 /// Length of the bubble's arrow below a grip (points).
 const ARROW: f32 = 12.0;
+/// Between a grip and the bubble beside it.
+const NEAR: f32 = 6.0;
 /// Size of the bubble's words.
 const WORDS: f32 = 13.0;
 
@@ -99,27 +101,50 @@ pub fn grip(ui: &Ui, state: &ViewState, frame: Rect, at: Pos2) -> Rect {
     rect
 }
 
-/// The hint in a bubble with an arrow at the `grip`, above it or, where `frame` has no room there,
-/// below it; its place, if there is one.
-pub fn bubble(ui: &Ui, state: &ViewState, frame: Rect, grip: Rect) -> Option<Rect> {
+/// The hint in a bubble with an arrow at the `grip`, above it or, where `frame` has no room there, beside
+/// it in two lines, clear of the words that are `written`, or below it; its place, if there is one.
+pub fn bubble(
+    ui: &Ui,
+    state: &ViewState,
+    frame: Rect,
+    grip: Rect,
+    written: &[Rect],
+) -> Option<Rect> {
     let words = state.hint()?;
     let ink = theme::palette(ui).now;
-    let galley = ui.painter().layout(
-        words.clone(),
-        FontId::proportional(WORDS),
-        ink,
-        frame.width() - 24.0,
-    );
-    let size = galley.size() + vec2(16.0, 7.0);
-    let strip = frame.shrink(3.0);
-    let left = (grip.center().x - size.x / 2.0).min(strip.right() - size.x);
-    let above = grip.top() - ARROW - size.y;
-    let (top, tip) = if above >= strip.top() {
-        (above, grip.center_top())
-    } else {
-        (grip.bottom() + ARROW, grip.center_bottom())
+    let font = FontId::proportional(WORDS);
+    let laid = |width: f32| {
+        let galley = ui.painter().layout(words.clone(), font.clone(), ink, width);
+        (galley.size() + vec2(16.0, 7.0), galley)
     };
-    let area = Rect::from_min_size(pos2(left.max(strip.left()), top), size);
+    let strip = frame.shrink(3.0);
+    let whole = laid(frame.width() - 24.0);
+    let folded = laid(0.5 * whole.0.x + NEAR);
+    let over = |top: f32| {
+        let left = (grip.center().x - whole.0.x / 2.0).min(strip.right() - whole.0.x);
+        Rect::from_min_size(pos2(left.max(strip.left()), top), whole.0)
+    };
+    let beside = |left: f32| {
+        let top = (grip.center().y - folded.0.y / 2.0).min(strip.bottom() - folded.0.y);
+        Rect::from_min_size(pos2(left, top.max(strip.top())), folded.0)
+    };
+    let above = over(grip.top() - ARROW - whole.0.y);
+    let clear = |area: &Rect| {
+        strip.contains_rect(*area) && !written.iter().any(|words| words.intersects(*area))
+    };
+    let sides = [
+        (beside(grip.left() - NEAR - folded.0.x), grip.left_center()),
+        (beside(grip.right() + NEAR), grip.right_center()),
+    ];
+    let side = sides.into_iter().find(|(area, _)| clear(area));
+    let (area, tip, galley) = if above.top() >= strip.top() {
+        (above, grip.center_top(), whole.1)
+    } else if let Some((area, tip)) = side {
+        (area, tip, folded.1)
+    } else {
+        let below = over(grip.bottom() + ARROW);
+        (below, grip.center_bottom(), whole.1)
+    };
     let painter = ui.painter();
     let (fill, edge) = (ui.visuals().window_fill, Stroke::new(1.2, ink));
     arrow(ui, area, tip, edge.color);
@@ -227,7 +252,7 @@ fn ring(ui: &Ui, state: &ViewState, picture: &GapPicture, band: Rect, at: Option
     let [left, right] =
         [0.0, state.view.push_width as f32 * columns].map(|x| picture.to_screen(band, [x, 0.0]).x);
     let painter = ui.painter().with_clip_rect(band);
-    let colour = theme::palette_on(crate::plot::style::Ground::Dark).jump;
+    let colour = theme::over_maps().jump;
     for (width, ink) in [(4.0, Color32::from_black_alpha(120)), (2.0, colour)] {
         painter.circle_stroke(at, right - left, Stroke::new(width, ink));
     }

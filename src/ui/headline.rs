@@ -1,21 +1,30 @@
-//! The two headlines: the pattern, whether it is stable and where, over the map; what is lost, over
-//! the plot.
+//! What is said of the state: the two headlines (the pattern, whether it is stable and where, over the
+//! map; what is lost, over the plot), and the bar at the foot. What is shown is an equilibrium, and
+//! stable, or is labelled otherwise: the bar is this label, one short line. What went wrong stands
+//! above it, over the panels, until it was read.
 
 use super::action::{Action, ViewOptions};
 use super::grip;
-use super::machine;
 use super::theme::{self, Palette};
 use super::view_state::ViewState;
-use super::widgets::{checkbox, named, radio_value};
+use super::widgets::{Asks, at_right, checkbox, menu, named, radio_value};
 use super::words::explain;
 use crate::follow::record::{JumpRecord, StateRecord};
 use crate::lessons::Hidden;
+use crate::physics::grid::Grid;
 use crate::physics::indenter::Indenter;
 use crate::physics::parameter::Dimension;
 use crate::plot::style::Colours;
+use crate::scene::part::{Part, Strategy};
+use crate::scene::units::fixed;
 use crate::solver::Stop;
-use crate::study::plan::promise_as;
-use egui::{Align, Color32, FontId, Label, Layout, Response, RichText, Ui, vec2};
+use crate::study::plan::{promise, promise_as};
+use crate::worker::protocol::{ModelChoice, Ready};
+use egui::{
+    Align, Align2, Area, Color32, FontId, Frame, Id, Label, Layout, Order, Response, RichText, Ui,
+    vec2,
+};
+use std::time::Duration;
 
 /// Sizes of the two, and the least to which they shrink where the column is narrow.
 const SURFACE: f32 = 22.0;
@@ -51,12 +60,12 @@ pub fn surface(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {
         let presses = grip::presses(ui, state);
         let room = if presses { 0.4 * size.x } else { size.x - MENU };
         explain(line(ui, &words, SURFACE, room, colour), "Surface");
-        ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
+        at_right(ui, |ui| {
             if presses {
                 return grip::press_options(ui, state, actions);
             }
-            let menu = ui.menu_button("⚙", |ui| options(ui, state, actions));
-            named(menu.response, "Map options").on_hover_text("how the map is drawn");
+            let what = ["Map options", "how the map is drawn"];
+            menu(ui, "⚙", what, |ui| options(ui, state, actions));
         });
     });
 }
@@ -103,7 +112,7 @@ fn surface_words(state: &ViewState, palette: &Palette, plain: Color32) -> (Strin
     }
     match &state.run.state {
         None => {
-            let told = machine::told(state);
+            let told = state.told();
             let at = told.say(state.run.actual, 4);
             (format!("Waiting, {} = {at}", told.symbol), plain)
         }
@@ -176,7 +185,7 @@ pub fn loss(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {
         ui.set_min_height(LOSS + 8.0);
         let colour = ui.visuals().strong_text_color();
         explain(line(ui, &lost.headline, LOSS, size.x - FIT, colour), "Loss");
-        ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
+        at_right(ui, |ui| {
             fit(ui, state, actions, &palette);
         });
     });
@@ -193,12 +202,9 @@ pub fn loss(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {
 fn fit(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>, palette: &Palette) {
     if state.plots.fit.is_some() {
         let button = named(ui.button("Scene"), "Scene axes");
-        if button
+        button
             .on_hover_text("the axes of the scene again")
-            .clicked()
-        {
-            actions.push(Action::FitScene);
-        }
+            .asks(actions, Action::FitScene);
         return;
     }
     let leaves = state.data_leave_view();
@@ -208,9 +214,9 @@ fn fit(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>, palette: &Pale
     } else {
         (RichText::new("Fit"), "Fit the axes to the data")
     };
-    if ui.button(text).on_hover_text(hover).clicked() {
-        actions.push(Action::FitData);
-    }
+    ui.button(text)
+        .on_hover_text(hover)
+        .asks(actions, Action::FitData);
 }
 
 /// What a walked loop lost, or the live one will, or the jumps so far.
@@ -315,4 +321,206 @@ fn other_loss(state: &ViewState, loss: f64) -> Option<f64> {
     known
         .into_iter()
         .max_by(|a, b| (a - loss).abs().total_cmp(&(b - loss).abs()))
+}
+
+/// Seconds for which a notice stays.
+const NOTICE: f64 = 8.0;
+/// Width of the card behind the chip (points).
+const CARD: f32 = 380.0;
+
+/// The bar.
+pub fn bar(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {
+    ui.horizontal(|ui| {
+        ui.set_min_height(26.0);
+        ui.spacing_mut().item_spacing.x = 6.0;
+        let shown = state.run.shown.as_ref();
+        let shown = shown.filter(|_| state.jumping().is_none());
+        let shown = shown.and_then(|frame| frame.state.as_ref());
+        match shown.or(state.run.state.as_ref()) {
+            Some(now) => facts(ui, state, now),
+            None => {
+                ui.label(RichText::new("waiting").weak());
+            }
+        }
+        let chip = ui.menu_button(chip(state), |ui| card(ui, state));
+        chip.response.on_hover_text("how it was computed");
+        at_right(ui, |ui| {
+            notice(ui, state, actions);
+        });
+    });
+    failure(ui, state, actions);
+}
+
+/// What went right, for some seconds.
+fn notice(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {
+    let (id, now) = (Id::unique("notice"), ui.input(|input| input.time));
+    let Some(notice) = &state.messages.notice else {
+        return ui.data_mut(|data| data.remove::<(String, f64)>(id));
+    };
+    let known = ui.data(|data| data.get_temp::<(String, f64)>(id));
+    let since = known
+        .filter(|(words, _)| words == notice)
+        .map_or(now, |(_, since)| since);
+    ui.data_mut(|data| data.insert_temp(id, (notice.clone(), since)));
+    // What is under way stays until it is done.
+    let left = if notice.ends_with('…') {
+        NOTICE
+    } else {
+        NOTICE - (now - since)
+    };
+    if left <= 0.0 {
+        actions.push(Action::DropNotice);
+    } else {
+        ui.ctx()
+            .request_repaint_after(Duration::from_secs_f64(left));
+    }
+    let words = RichText::new(format!("✔ {notice}")).color(theme::palette(ui).good);
+    ui.add(Label::new(words).truncate()).on_hover_text(notice);
+}
+
+/// What went wrong and what to do about it, over the foot of the panels: nothing moves for it.
+fn failure(ui: &Ui, state: &ViewState, actions: &mut Vec<Action>) {
+    let Some(failure) = &state.messages.failure else {
+        return;
+    };
+    let warn = theme::palette(ui).warn;
+    let screen = ui.ctx().content_rect();
+    let area = Area::new(Id::unique("failure"))
+        .order(Order::Middle)
+        .anchor(Align2::CENTER_BOTTOM, vec2(0.0, -44.0));
+    area.show(ui.ctx(), |ui| {
+        ui.set_max_width((screen.width() - 40.0).min(760.0));
+        let frame = Frame::popup(ui.style()).stroke(egui::Stroke::new(1.5, warn));
+        frame.show(ui, |ui| {
+            ui.label(
+                RichText::new(format!("⚠ {}", failure.message))
+                    .color(warn)
+                    .strong(),
+            );
+            ui.horizontal_wrapped(|ui| {
+                ui.label(&failure.remedy);
+                ui.button("Dismiss").asks(actions, Action::DismissFailure);
+                if state.history.can_undo() && ui.button("Undo edit").clicked() {
+                    actions.push(Action::Undo);
+                }
+            });
+        });
+    });
+}
+
+fn facts(ui: &mut Ui, state: &ViewState, now: &StateRecord) {
+    let palette = theme::palette(ui);
+    let word = state
+        .shown_word()
+        .map_or_else(String::new, |word| word.to_owned() + " ");
+    let pattern = ui.label(RichText::new(word + now.pattern.words()).strong());
+    let pattern = explain(pattern, now.pattern.words());
+    // Only read aloud: the last jump, not more often than the ear can follow.
+    ui.ctx().accesskit_node_builder(pattern.id, |node| {
+        node.set_live(egui::accesskit::Live::Polite);
+        node.set_description(state.messages.announced.clone());
+    });
+    let (words, colour) = match state.jumping() {
+        Some(_) => (grip::press_word(state).unwrap_or_default(), palette.jump),
+        None => (stability(now), stable_colour(now, &palette)),
+    };
+    ui.label(RichText::new("·").weak());
+    explain(ui.label(RichText::new(words).color(colour).strong()), words);
+}
+
+fn stable_colour(now: &StateRecord, palette: &Palette) -> Color32 {
+    if now.stop == Stop::Stable {
+        palette.good
+    } else {
+        palette.warn
+    }
+}
+
+/// How exact what is shown is, in few words: that of the plan belongs to stable equilibria only.
+fn chip(state: &ViewState) -> String {
+    match &state.run.state {
+        None => "not computed yet".to_owned(),
+        Some(now) if now.stop == Stop::Stable && state.jumping().is_none() => {
+            // The headline's number, once there is one.
+            let predicted = state.predicted_error();
+            let closed = state.run.closed_loop.as_ref();
+            let stated = closed.and_then(|closed| closed.summary.ledger.stated_error(predicted));
+            let error = stated.unwrap_or(predicted);
+            exact_to(Some(error))
+        }
+        Some(_) => "no equilibrium".to_owned(),
+    }
+}
+
+/// Everything about the present state, line by line.
+fn card(ui: &mut Ui, state: &ViewState) {
+    ui.set_width(CARD.min(ui.ctx().content_rect().width() - 40.0));
+    ui.with_layout(Layout::top_down(Align::LEFT), |ui| {
+        for line in lines(state) {
+            ui.add(Label::new(line).wrap());
+        }
+        let live = state.plots.live.as_ref();
+        if let Some(live) = live.filter(|_| !state.hides(Hidden::Forecast)) {
+            let colour = theme::palette(ui).live;
+            ui.add(Label::new(RichText::new(live.words(&state.model)).color(colour)).wrap());
+        }
+    });
+}
+
+fn lines(state: &ViewState) -> Vec<String> {
+    let mut lines = Vec::new();
+    if let Some(now) = &state.run.state {
+        let plural = if now.iterations == 1 { "" } else { "s" };
+        lines = vec![
+            format!(
+                "{}, stiffness_min {} ± {:.1e} E*/L: the smallest eigenvalue of the energy's \
+                 Hessian per area",
+                stability(now),
+                fixed(now.stiffness_min, 3),
+                now.stiffness_error
+            ),
+            residual(now),
+            format!("{}, {}", now.part, state.method.title()),
+            format!(
+                "last increment: {} iteration{plural}, {} transforms, {:.1} ms",
+                now.iterations, now.transforms, now.milliseconds
+            ),
+        ];
+    }
+    let grid = &state.model.grid;
+    match &state.run.ready {
+        None => lines.push(format!("mesh {} × {}", grid.nx, grid.ny)),
+        Some(ready) => {
+            lines.push(model_words(&ready.choice, grid));
+            lines.push(model_sentence(ready));
+        }
+    }
+    lines
+}
+
+/// In a few words: "quarter of 64 × 64, expected error 0.005 %".
+fn model_words(choice: &ModelChoice, grid: &Grid) -> String {
+    let place = match (choice.part.is_even(), grid.is_line()) {
+        (false, true) => format!("line of {}", grid.nx),
+        (true, true) => format!("half a line of {}", grid.nx),
+        (false, false) => format!("whole cell {} × {}", grid.nx, grid.ny),
+        (true, false) => format!("quarter of {} × {}", grid.nx, grid.ny),
+    };
+    format!("{place}, {}", promise(Some(choice.plan.predicted_error)))
+}
+
+fn model_sentence(ready: &Ready) -> String {
+    let ModelChoice {
+        plan,
+        part,
+        because,
+    } = &ready.choice;
+    let mut words = format!("Plan: {}.", plan.words());
+    if let Some(because) = because {
+        words += &format!(" The walk runs on the whole cell: {because}.");
+    } else if matches!(plan.strategy, Strategy::Atlas) && *part == Part::Quarter {
+        words += " Here the walk solves every state that is shown on the quarter; the atlas says \
+            what is ahead and draws the live loop.";
+    }
+    format!("{words} Mesh: {}.", ready.model.reason)
 }

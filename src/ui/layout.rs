@@ -1,19 +1,21 @@
-//! How the panels share the window: three beside each other, or two, or one at a time; and in lecture
-//! mode map, curve and one line of words, large and on white, for a room.
+//! How the panels share the window: three beside each other, or two, or one at a time, with that of a
+//! lesson among them (its text, its question, its task, what is explained, and where it is); and in
+//! lecture mode map, curve and one line of words, large and on white, for a room.
 
-use super::action::{Action, Page};
+use super::action::{Action, LessonAct, Page};
 use super::gap_picture::Maps;
 use super::headline::capital;
 use super::tabs::Tabs;
 use super::view_state::ViewState;
-use super::widgets::described;
-use super::{controls, gap_map, lesson, loop_plot, profile, status_bar, strip, toolbar};
-use crate::lessons::Hidden;
+use super::widgets::{Asks, Entry, at_right, described, named, radio};
+use super::{controls, gap_map, headline, loop_plot, profile, theme, toolbar};
+use crate::lessons::{self, Hidden, Lesson, Progress, Question, Stage};
 use crate::scene::units::fixed;
 use crate::solver::Stop;
 use egui::scroll_area::ScrollSource;
 use egui::{
-    CentralPanel, Context, Label, Panel, RichText, ScrollArea, Theme, Ui, UiBuilder, Vec2, vec2,
+    CentralPanel, Context, Frame, Label, Panel, RichText, ScrollArea, Theme, Ui, UiBuilder, Vec2,
+    vec2,
 };
 use serde::{Deserialize, Serialize};
 
@@ -52,7 +54,7 @@ pub fn show(
         toolbar::show(ui, state, pages, actions);
         ui.add_space(3.0);
     });
-    Panel::bottom("status").show(ui, |ui| status_bar::show(ui, state, actions));
+    Panel::bottom("status").show(ui, |ui| headline::bar(ui, state, actions));
     let room = ui.available_size();
     if room.y >= LOW {
         return panels(ui, state, maps, tabs, actions);
@@ -85,7 +87,7 @@ fn panels(ui: &mut Ui, state: &ViewState, maps: &Maps, tabs: &mut Tabs, actions:
     } else if state.lesson().is_some() {
         let height = BELOW * ui.available_height();
         let below = Panel::bottom("lesson").exact_size(height);
-        below.show(ui, |ui| lesson::show(ui, state, actions, 1.0));
+        below.show(ui, |ui| lesson(ui, state, actions, 1.0));
     }
     if width < TWO {
         CentralPanel::default().show(ui, |ui| match page {
@@ -113,7 +115,7 @@ fn panels(ui: &mut Ui, state: &ViewState, maps: &Maps, tabs: &mut Tabs, actions:
 fn scene(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {
     let hidden = state.hides(Hidden::Controls);
     if ui.ctx().content_rect().width() >= THREE {
-        lesson::show(ui, state, actions, if hidden { 1.0 } else { LESSON });
+        lesson(ui, state, actions, if hidden { 1.0 } else { LESSON });
     }
     if !hidden {
         controls::show(ui, state, actions);
@@ -124,7 +126,7 @@ fn scene(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {
 pub fn surface(ui: &mut Ui, state: &ViewState, maps: &Maps, actions: &mut Vec<Action>) {
     gap_map::show(ui, state, actions, maps);
     profile::show(ui, state, maps.a.picture.as_ref(), actions);
-    strip::show(ui, state, actions);
+    profile::strip(ui, state, actions);
 }
 
 /// The plot, and below it the tabs.
@@ -178,10 +180,9 @@ pub fn lecture(ui: &mut Ui, state: &ViewState, maps: &Maps, actions: &mut Vec<Ac
             let words = words(state);
             let label = ui.add(Label::new(RichText::new(&words)).truncate());
             described(&label, &words);
-            ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
-                if ui.small_button("Leave (F11)").clicked() {
-                    actions.push(Action::ToggleLecture);
-                }
+            at_right(ui, |ui| {
+                ui.small_button("Leave (F11)")
+                    .asks(actions, Action::ToggleLecture);
             });
         });
     });
@@ -213,9 +214,7 @@ fn words(state: &ViewState) -> String {
         capital(now.pattern.words()),
         fixed(u0, 2)
     );
-    let closed = state.run.closed_loop.as_ref();
-    let loss = closed.and_then(|closed| closed.summary.ledger.dissipated_energy());
-    match (loss, jumps.last()) {
+    match (state.run.loss(), jumps.last()) {
         (Some(loss), _) => words += &format!(" The loop lost {} γ.", fixed(loss, 3)),
         (None, Some(jump)) => {
             words += &format!(
@@ -238,4 +237,188 @@ fn words(state: &ViewState) -> String {
         }
     }
     words
+}
+
+/// Size of the words.
+const WORDS: f32 = 15.0;
+
+/// Draws the panel's contents in this share of its height; they scroll where the window is low.
+fn lesson(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>, share: f32) {
+    let Some((lesson, progress)) = state.lesson() else {
+        return;
+    };
+    let height = ui.available_height();
+    let mut acts = Vec::new();
+    head(ui, lesson, progress, &mut acts);
+    ScrollArea::vertical()
+        .id_salt("lesson")
+        .max_height(share * height - 60.0)
+        .auto_shrink([false, share < 1.0])
+        .show(ui, |ui| match progress.step(lesson) {
+            Some(step) => {
+                paragraphs(ui, &progress.filled(&step.text));
+                if let Some(question) = &step.question {
+                    ask(ui, state, (question, progress), &mut acts);
+                }
+                if let Some(task) = step
+                    .task
+                    .as_ref()
+                    .filter(|_| progress.stage != Stage::Asking)
+                {
+                    let done = progress.stage == Stage::Explained;
+                    do_it(ui, &task.words, done);
+                }
+                if let Some(words) = progress.explanation(lesson) {
+                    explain(ui, &words);
+                }
+                ui.add_space(6.0);
+                onwards(ui, lesson, progress, &mut acts);
+            }
+            None => end(ui, lesson, progress, &mut acts),
+        });
+    actions.extend(acts.into_iter().map(Action::Lesson));
+}
+
+/// Title, place and score.
+fn head(ui: &mut Ui, lesson: &Lesson, progress: &Progress, acts: &mut Vec<LessonAct>) {
+    ui.horizontal(|ui| {
+        ui.label(RichText::new(&lesson.title).heading().strong());
+        at_right(ui, |ui| {
+            named(ui.small_button("✖"), "Leave the lesson").asks(acts, LessonAct::Leave);
+        });
+    });
+    let (step, steps) = (
+        progress.step.min(lesson.steps.len() - 1),
+        lesson.steps.len(),
+    );
+    let [score, most] = progress.score;
+    let mut words = format!("Step {} of {steps}", step + 1);
+    if most > 0 {
+        words += &format!(" · {score} of {most} points");
+    }
+    ui.label(RichText::new(words).weak());
+    ui.separator();
+}
+
+/// A text whose paragraphs are parted by an empty line.
+fn paragraphs(ui: &mut Ui, text: &str) {
+    for paragraph in text.split("\n\n") {
+        let words = paragraph.split_whitespace().collect::<Vec<_>>().join(" ");
+        ui.label(RichText::new(words).size(WORDS));
+        ui.add_space(4.0);
+    }
+}
+
+fn ask(
+    ui: &mut Ui,
+    state: &ViewState,
+    (question, progress): (&Question, &Progress),
+    acts: &mut Vec<LessonAct>,
+) {
+    let waits = progress.stage == Stage::Asking;
+    let (Question::Guess { asks, .. } | Question::Choice { asks, .. }) = question;
+    ui.label(RichText::new(asks).size(WORDS).strong());
+    match question {
+        Question::Choice { options, .. } => {
+            for (index, option) in options.iter().enumerate() {
+                let answer = Some(index as f64);
+                let words = RichText::new(format!("{}  {option}", index + 1)).size(WORDS);
+                // Also to be read afterwards.
+                if radio(ui, &progress.answer, &answer, words).clicked() && waits {
+                    acts.push(LessonAct::Choose(index as f64));
+                }
+            }
+        }
+        Question::Guess { .. } => {
+            let [low, high] = state.guessable();
+            let entry = Entry {
+                name: "Your guess",
+                value: progress.answer.unwrap_or(0.5 * (low + high)),
+                range: low..=high,
+                speed: 0.01,
+                decimals: 2,
+                suffix: " ρ",
+            };
+            ui.horizontal(|ui| {
+                let label = ui.label("Your guess u₀");
+                let shown = ui.add_enabled_ui(waits, |ui| entry.show(ui));
+                let (guess, response) = shown.inner;
+                response.labelled_by(label.id);
+                acts.extend(guess.map(LessonAct::Choose));
+            });
+        }
+    }
+    if waits {
+        let button = ui.add_enabled(
+            progress.answer.is_some(),
+            egui::Button::new("That is my answer"),
+        );
+        button.on_hover_text("Enter").asks(acts, LessonAct::Commit);
+    }
+    ui.add_space(6.0);
+}
+
+fn do_it(ui: &mut Ui, words: &str, done: bool) {
+    let palette = theme::palette(ui);
+    let (mark, colour) = if done {
+        ("✔", palette.good)
+    } else {
+        ("▶", palette.retraction)
+    };
+    ui.horizontal_top(|ui| {
+        ui.label(RichText::new(mark).size(WORDS).color(colour));
+        ui.add(egui::Label::new(RichText::new(words).size(WORDS)).wrap());
+    });
+    ui.add_space(4.0);
+}
+
+/// What is said at the end of a step; a screen reader says it by itself.
+fn explain(ui: &mut Ui, words: &str) {
+    let fill = ui.visuals().faint_bg_color;
+    let shown = Frame::group(ui.style()).fill(fill).show(ui, |ui| {
+        let words = words.split_whitespace().collect::<Vec<_>>().join(" ");
+        ui.label(RichText::new(words).size(WORDS))
+    });
+    ui.ctx().accesskit_node_builder(shown.inner.id, |node| {
+        node.set_live(egui::accesskit::Live::Polite);
+    });
+}
+
+fn onwards(ui: &mut Ui, lesson: &Lesson, progress: &Progress, acts: &mut Vec<LessonAct>) {
+    ui.horizontal(|ui| {
+        let back = ui.add_enabled(progress.step > 0, egui::Button::new("Back"));
+        named(back, "Back one step")
+            .on_hover_text("Backspace")
+            .asks(acts, LessonAct::Back);
+        let done = progress.stage == Stage::Explained;
+        let (face, hover) = match done {
+            true if progress.step + 1 == lesson.steps.len() => ("Finish", "Enter"),
+            true => ("Next", "Enter"),
+            false => ("Skip this step", "go on without it"),
+        };
+        let button = egui::Button::new(face).selected(done);
+        ui.add(button)
+            .on_hover_text(hover)
+            .asks(acts, LessonAct::Next);
+    });
+}
+
+fn end(ui: &mut Ui, lesson: &Lesson, progress: &Progress, acts: &mut Vec<LessonAct>) {
+    paragraphs(ui, &lesson.teaches);
+    let [score, most] = progress.score;
+    let words = format!("The end. You have {score} of {most} points.");
+    let label = ui.label(RichText::new(&words).size(WORDS).strong());
+    described(&label, &words);
+    let all = lessons::all();
+    let next = all.iter().position(|other| other.name == lesson.name);
+    let next = next.map_or(0, |index| index + 1);
+    ui.horizontal(|ui| {
+        ui.button("Back").asks(acts, LessonAct::Back);
+        if let Some(other) = all.get(next)
+            && ui.button(format!("Next lesson: {}", other.title)).clicked()
+        {
+            acts.push(LessonAct::Start(next));
+        }
+        ui.button("Leave").asks(acts, LessonAct::Leave);
+    });
 }

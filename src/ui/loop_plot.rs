@@ -5,8 +5,8 @@
 use super::action::{Action, LessonAct, Pick, Scales};
 use super::headline::{self, energy, residual};
 use super::view_state::{Beside, Ghost, Origin, ViewState};
-use super::widgets::{described, named};
-use super::{diagram, machine, theme};
+use super::widgets::{Asks, at_right, described, named};
+use super::{diagram, theme};
 use crate::follow::record::StateRecord;
 use crate::lessons::{Hidden, Question};
 use crate::physics::parameter::Dimension;
@@ -209,7 +209,7 @@ pub fn panel(state: &ViewState) -> Panel {
     if !state.hides_kept() {
         kept(state, &mut panel);
     }
-    panel.series.extend(machine::line(state, [left, right]));
+    panel.series.extend(state.machine_line([left, right]));
     guesses(state, &mut panel);
     let wish = state.run.foresight.wish().and_then(|wanted| {
         let (.., sample) = wanted.live.found.as_ref().ok()?.at(wanted.spot);
@@ -491,10 +491,9 @@ fn card(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>, plot: Rect) {
                 ui.horizontal(|ui| {
                     let words = format!("{} on {}", s.pattern.words(), s.direction);
                     ui.label(RichText::new(words).strong());
-                    ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
-                        if named(ui.small_button("✖"), "Close the card").clicked() {
-                            actions.push(Action::ClearSelection);
-                        }
+                    at_right(ui, |ui| {
+                        named(ui.small_button("✖"), "Close the card")
+                            .asks(actions, Action::ClearSelection);
                     });
                 });
                 let (words, colour) = match selection.of {
@@ -522,16 +521,14 @@ fn card(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>, plot: Rect) {
                          a grey line",
                     );
                     let gone = "its picture is no longer kept: memory is bounded";
-                    if button.on_disabled_hover_text(gone).clicked() {
-                        actions.push(Action::GoOn);
-                    }
+                    button
+                        .on_disabled_hover_text(gone)
+                        .asks(actions, Action::GoOn);
                     if ui.button("Walk to it").clicked() {
                         actions.push(Action::SetTarget(s.control));
                     }
                     let copy = named(ui.button("Copy"), "Copy these numbers");
-                    if copy.clicked() {
-                        actions.push(Action::CopyText(numbers(state, s).join("\n")));
-                    }
+                    copy.asks(actions, Action::CopyText(numbers(state, s).join("\n")));
                 });
             });
     });

@@ -1,10 +1,9 @@
 //! The two sliders: what is driven, beside the map, and the mesh number mu_rho.
 
 use super::action::Action;
-use super::machine::{self, Told};
 use super::theme;
-use super::view_state::ViewState;
-use super::widgets::{Entry, named};
+use super::view_state::{Told, ViewState};
+use super::widgets::{Asks, Entry, named};
 use super::words::explain;
 use crate::plot::ticks;
 use crate::scene::edit::{self, MU_RHO, TICKS};
@@ -65,7 +64,7 @@ const NAMED: f32 = 90.0;
 /// The slider of what is driven, in the whole of the space: above it the target to be typed, below
 /// it one step down and up.
 pub fn driven(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {
-    let told = machine::told(state);
+    let told = state.told();
     let rect = ui.max_rect();
     let row = |top: f32| Rect::from_min_size(pos2(rect.left(), top), vec2(rect.width() - 6.0, ROW));
     let mut above = ui.new_child(UiBuilder::new().max_rect(row(rect.top())));
@@ -82,9 +81,9 @@ pub fn driven(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {
             ("+", "step up", "one increment up (→ ↑); Shift: fine", 1.0),
         ] {
             let button = ui.add(Button::new(face).min_size(vec2(26.0, 24.0)));
-            if named(button, name).on_hover_text(hover).clicked() {
-                actions.push(Action::Step(step));
-            }
+            named(button, name)
+                .on_hover_text(hover)
+                .asks(actions, Action::Step(step));
         }
     });
     rail(ui, state, &told, actions, rect.shrink2(vec2(0.0, ROW)));

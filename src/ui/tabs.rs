@@ -20,7 +20,7 @@ mod why;
 use super::action::{Action, ViewOptions};
 use super::diagram;
 use super::view_state::ViewState;
-use super::widgets::{choosable, named, progress};
+use super::widgets::{choosable, menu, progress};
 use super::words::explain;
 use crate::plot::panel::Panel;
 use crate::worker::SolverHandle;
@@ -174,7 +174,7 @@ impl Tabs {
             if shown.len() == titles.len() {
                 return;
             }
-            let more = ui.menu_button(MORE, |ui| {
+            menu(ui, MORE, ["More tabs", "the other tabs"], |ui| {
                 let rest = titles.iter().enumerate();
                 for tab in rest.filter(|(index, _)| !shown.contains(index)) {
                     if offer(ui, state, tab, actions) {
@@ -182,7 +182,6 @@ impl Tabs {
                     }
                 }
             });
-            named(more.response, "More tabs").on_hover_text("the other tabs");
         });
         if let Some(tab) = self.0.get_mut(state.view.tab) {
             tab.show(ui, state, actions);

@@ -79,6 +79,11 @@ pub fn palette(ui: &egui::Ui) -> Palette {
     palette_on(ground(ui))
 }
 
+/// The colours over maps, in both themes.
+pub fn over_maps() -> Palette {
+    palette_on(Ground::Dark)
+}
+
 /// The colours on a ground.
 pub fn palette_on(ground: Ground) -> Palette {
     let of = |colour: Colour| rgb(colour.on(ground));

@@ -5,7 +5,7 @@ use super::action::{Action, FileTask, LessonAct, Page, ViewOptions};
 use super::controls;
 use super::theme::{self, Palette};
 use super::view_state::ViewState;
-use super::widgets::{checkbox, named, radio};
+use super::widgets::{Asks, checkbox, menu, named, radio};
 use super::words::explain;
 use crate::follow::record::Direction;
 use crate::lessons;
@@ -23,6 +23,11 @@ use std::sync::LazyLock;
 const PLAY: f32 = 18.0;
 /// Least and largest width of the button of the gallery (points).
 const GALLERY: (f32, f32) = (44.0, 420.0);
+
+/// Menus that stand in the bar or in another menu: their names, and what is in them.
+const LESSONS: [&str; 2] = ["Lessons", "lessons of about five minutes"];
+const SPEED: [&str; 2] = ["Speed", "how fast sweeps and jumps are shown"];
+const FILES: [&str; 2] = ["Files", "open, save, export, copy"];
 
 /// How much of the bar is shown, from all of it on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -64,36 +69,33 @@ pub fn show(ui: &mut Ui, state: &ViewState, pages: &[Page], actions: &mut Vec<Ac
         gallery(ui, state, wide, actions);
         let from = ui.min_rect().right();
         if room == Room::Least {
-            let menu = ui.menu_button("▤", |ui| {
+            menu(ui, "▤", ["Page", "what is shown"], |ui| {
                 if choose_page(ui, state, pages, actions) {
                     ui.close();
                 }
             });
-            named(menu.response, "Page").on_hover_text("what is shown");
         } else {
             choose_page(ui, state, pages, actions);
         }
         if room < Room::Play {
             look_for(ui, state);
-            let menu = ui.menu_button("Learn", |ui| learn(ui, actions));
-            named(menu.response, "Lessons").on_hover_text("lessons of about five minutes");
+            menu(ui, "Learn", LESSONS, |ui| learn(ui, actions));
             ui.separator();
         }
         play(ui, state, room, actions);
         if room < Room::Play {
-            let menu = ui.menu_button(short(state.view.speed), |ui| speeds(ui, state, actions));
-            named(menu.response, "Speed").on_hover_text("how fast sweeps and jumps are shown");
+            let face = short(state.view.speed);
+            menu(ui, face, SPEED, |ui| speeds(ui, state, actions));
             reset(ui, actions);
             ui.separator();
             undo(ui, state, actions);
-            let menu = ui.menu_button("Files", |ui| files(ui, actions));
-            named(menu.response, "Files").on_hover_text("open, save, export, copy");
+            menu(ui, "Files", FILES, |ui| files(ui, actions));
         }
         if room == Room::Words {
             looks(ui, actions);
         }
-        let menu = ui.menu_button("☰", |ui| more(ui, state, room, actions));
-        named(menu.response, "Menu").on_hover_text("everything else");
+        let what = ["Menu", "everything else"];
+        menu(ui, "☰", what, |ui| more(ui, state, room, actions));
         let used = ui.min_rect().right() - from + 2.0;
         if others.is_none_or(|others| (others - used).abs() > 0.5) {
             ui.data_mut(|data| data.insert_temp(id, used));
@@ -122,9 +124,9 @@ fn choose_page(ui: &mut Ui, state: &ViewState, pages: &[Page], actions: &mut Vec
 fn learn(ui: &mut Ui, actions: &mut Vec<Action>) {
     for (index, lesson) in lessons::all().iter().enumerate() {
         let words = format!("{}  {} ({} min)", index + 1, lesson.title, lesson.minutes);
-        if ui.button(words).on_hover_text(&lesson.teaches).clicked() {
-            actions.push(Action::Lesson(LessonAct::Start(index)));
-        }
+        ui.button(words)
+            .on_hover_text(&lesson.teaches)
+            .asks(actions, Action::Lesson(LessonAct::Start(index)));
     }
 }
 
@@ -146,9 +148,9 @@ fn play(ui: &mut Ui, state: &ViewState, room: Room, actions: &mut Vec<Action>) {
         };
         let chosen = state.run.sweep() == Some(sweep);
         let button = ui.add(large(&face).selected(chosen));
-        if named(button, name).on_hover_text(name).clicked() {
-            actions.push(Action::Play(sweep));
-        }
+        named(button, name)
+            .on_hover_text(name)
+            .asks(actions, Action::Play(sweep));
     }
     let (busy, paused) = (state.run.is_busy(), state.run.paused);
     let (face, name) = if paused {
@@ -166,9 +168,7 @@ fn play(ui: &mut Ui, state: &ViewState, room: Room, actions: &mut Vec<Action>) {
         let button = named(ui.add_enabled(enabled, large(face)), name);
         let words = format!("{name} ({key})");
         let button = button.on_disabled_hover_text(&words).on_hover_text(words);
-        if button.clicked() {
-            actions.push(action);
-        }
+        button.asks(actions, action);
     }
 }
 
@@ -195,9 +195,9 @@ fn speeds(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {
 
 fn reset(ui: &mut Ui, actions: &mut Vec<Action>) {
     let button = ui.button("Reset");
-    if button.on_hover_text("Back to rest at the start").clicked() {
-        actions.push(Action::Reset);
-    }
+    button
+        .on_hover_text("Back to rest at the start")
+        .asks(actions, Action::Reset);
 }
 
 fn undo(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {
@@ -209,9 +209,7 @@ fn undo(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {
         let button = named(ui.add_enabled(enabled, large(face)), name);
         let words = format!("{name} ({keys})");
         let button = button.on_disabled_hover_text(&words).on_hover_text(words);
-        if button.clicked() {
-            actions.push(action);
-        }
+        button.asks(actions, action);
     }
 }
 
@@ -271,9 +269,7 @@ fn looks(ui: &mut Ui, actions: &mut Vec<Action>) {
         ("?", "Help", "keys and marks (?)", Action::ToggleHelp),
     ] {
         let button = named(ui.add(large(face)), name);
-        if button.on_hover_text(hover).clicked() {
-            actions.push(action);
-        }
+        button.on_hover_text(hover).asks(actions, action);
     }
 }
 
@@ -284,16 +280,9 @@ fn more(ui: &mut Ui, state: &ViewState, room: Room, actions: &mut Vec<Action>) {
         entries(ui, actions, [("Stop", "Esc", Action::Stop)]);
     }
     if room >= Room::Play {
-        named(
-            ui.menu_button("Learn", |ui| learn(ui, actions)).response,
-            "Lessons",
-        );
-        named(
-            ui.menu_button("Files", |ui| files(ui, actions)).response,
-            "Files",
-        );
-        let speed = ui.menu_button("Speed", |ui| speeds(ui, state, actions));
-        named(speed.response, "Speed");
+        menu(ui, "Learn", LESSONS, |ui| learn(ui, actions));
+        menu(ui, "Files", FILES, |ui| files(ui, actions));
+        menu(ui, "Speed", SPEED, |ui| speeds(ui, state, actions));
         let list = [
             ("Reset", "", Action::Reset),
             ("Undo", "Ctrl+Z", Action::Undo),
@@ -322,9 +311,7 @@ fn more(ui: &mut Ui, state: &ViewState, room: Room, actions: &mut Vec<Action>) {
     ];
     entries(ui, actions, list);
     let (mut click, what) = (state.messages.click, "Click at a snap");
-    if explain(checkbox(ui, &mut click, what), what).clicked() {
-        actions.push(Action::SetClick(click));
-    }
+    explain(checkbox(ui, &mut click, what), what).asks(actions, Action::SetClick(click));
     let size = theme::LEAST;
     ui.label(RichText::new("Ctrl + and Ctrl − make everything larger, smaller.").size(size));
 }
@@ -466,7 +453,8 @@ fn look_for(ui: &mut Ui, state: &ViewState) {
     let Some(preset) = presets::titled(state.title_opened()) else {
         return;
     };
-    let card = ui.menu_button("ℹ", |ui| {
+    let what = ["What to look for", "what to look for in this preset"];
+    menu(ui, "ℹ", what, |ui| {
         ui.set_width(360.0);
         // A menu's own layout justifies its lines.
         ui.with_layout(Layout::top_down(Align::LEFT), |ui| {
@@ -477,5 +465,4 @@ fn look_for(ui: &mut Ui, state: &ViewState) {
             ui.label(RichText::new(&state.scene.source).small().weak());
         });
     });
-    named(card.response, "What to look for").on_hover_text("what to look for in this preset");
 }

@@ -1,7 +1,6 @@
 //! Everything the window shows, as plain data: built and updated without egui.
 
 mod foresight;
-mod kept;
 mod lesson;
 mod plots;
 mod run;
@@ -9,10 +8,9 @@ mod session;
 mod stored;
 
 pub use foresight::{Beside, Foresight};
-pub use kept::{Kept, KeptLoops};
 pub use lesson::{Begin, Hint};
-pub use plots::{Ghost, LiveView, Plots};
-pub use run::{ClosedLoop, Origin, Pushed, RunView, Selection};
+pub use plots::{Ghost, Kept, KeptLoops, LiveView, Plots};
+pub use run::{ClosedLoop, Origin, Pushed, RunView, Selection, Told};
 pub use session::{Extent, History, Past, Saved};
 pub use stored::{Films, Store, Stretch, foreseen, stretches};
 
@@ -84,7 +82,7 @@ pub struct ViewState {
     pub lesson: Option<Progress>,
     /// Stops the measurement under way.
     measurement: Cancel,
-    told: Told,
+    told: Sent,
 }
 
 /// The scene that was opened.
@@ -101,7 +99,7 @@ pub struct Opened {
 }
 
 /// What the window says, in words and by sound.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Messages {
     /// What went wrong.
     pub failure: Option<Failure>,
@@ -127,7 +125,7 @@ impl Messages {
 
 /// What the solver was told; a command is the difference to what the window shows.
 #[derive(Clone, Copy, Debug, Default)]
-struct Told {
+struct Sent {
     run: RunId,
     motion: Motion,
     paused: bool,
@@ -143,13 +141,14 @@ impl ViewState {
         let model = scene.model()?;
         let limits = window::of_control(&scene, &model);
         let run = RunView::new(1, &scene, limits.1);
+        let ends = window::of_u0(&scene, &model);
+        let flat_state = flat_state(&model, scene.control(), ends);
         let scene = Arc::new(scene);
         Ok(Self {
-            plots: Plots::new(flat_state(
-                &model,
-                scene.control(),
-                window::of_u0(&scene, &model),
-            )),
+            plots: Plots {
+                flat_state,
+                ..Plots::default()
+            },
             scene: scene.clone(),
             opened: Opened {
                 scene,
@@ -168,18 +167,15 @@ impl ViewState {
             frame: None,
             beside: None,
             messages: Messages {
-                failure: None,
-                notice: None,
                 hint: Some(Hint::Grab),
-                announced: String::new(),
-                click: false,
+                ..Messages::default()
             },
             notes: String::new(),
             view: ViewOptions::default(),
             history: History::default(),
             lesson: None,
             measurement: Cancel::default(),
-            told: Told::default(),
+            told: Sent::default(),
         })
     }
 
@@ -371,7 +367,7 @@ impl ViewState {
             };
             let from = run.from.take().map(resumed);
             // A session counts motions afresh, from the rest at the start, and is not held.
-            *told = Told {
+            *told = Sent {
                 run: run.id,
                 motion: 0,
                 paused: false,

@@ -353,8 +353,8 @@ fn row(
         // Names are no stops of the keyboard.
         let name = Label::new(name).selectable(false).sense(Sense::CLICK);
         let label = explained(ui.add(name));
-        ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
-            explained(add(ui).labelled_by(label.id))
+        at_right(ui, |ui| {
+            explained(add(ui).labelled_by(label.id));
         });
         label
     })
@@ -398,6 +398,35 @@ pub fn radio_value<'a, V: PartialEq>(
         response.mark_changed();
     }
     response
+}
+
+/// What is clicked asks for something.
+pub trait Asks {
+    /// Asks for it where it was clicked.
+    fn asks<A>(&self, asked: &mut Vec<A>, for_what: A);
+}
+
+impl Asks for Response {
+    fn asks<A>(&self, asked: &mut Vec<A>, for_what: A) {
+        if self.clicked() {
+            asked.push(for_what);
+        }
+    }
+}
+
+/// What stands at the right of a row.
+pub fn at_right(ui: &mut Ui, add: impl FnOnce(&mut Ui)) {
+    ui.with_layout(Layout::right_to_left(Align::Center), add);
+}
+
+/// A button of this name that opens a menu.
+pub fn menu<'a>(
+    ui: &mut Ui,
+    face: impl IntoAtoms<'a>,
+    [name, hover]: [&str; 2],
+    add: impl FnOnce(&mut Ui),
+) {
+    named(ui.menu_button(face, add).response, name).on_hover_text(hover);
 }
 
 /// Gives a button a name that says more than its face.

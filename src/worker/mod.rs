@@ -9,12 +9,11 @@ pub mod protocol;
 pub mod rehearsal;
 pub mod session;
 pub mod signals;
-pub mod sound;
 
-mod film;
 mod run_loop;
 mod setup;
 mod system;
 
 pub use protocol::SolverHandle;
 pub use run_loop::Worker;
+pub use system::play;

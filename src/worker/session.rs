@@ -1,10 +1,9 @@
 //! What the solver thread does, as a state machine without a thread: tests step it by hand, with a
 //! clock they hold.
 
-use super::film::Recorder;
 use super::protocol::{
-    Command, Envelope, Event, Failure, Frame, LoopSummary, Motion, Play, Ready, Resumed, RunId,
-    Speed, Stored, Sweep,
+    Command, Envelope, Event, Failure, Frame, LoopSummary, Motion, Play, Ready, Recorder, Resumed,
+    RunId, Speed, Stored, Sweep,
 };
 use super::setup::Setup;
 use super::system::Instant;
@@ -143,16 +142,11 @@ impl Session {
                 Observed::Moving { stress } => {
                     pace = self.speed.pause(PACE_FILM);
                     let surface = walk.surface();
-                    let frame = Frame {
-                        control: surface.control,
-                        mean_displacement: surface.mean_displacement,
-                        stress,
-                        gap: Arc::new(walk.gap()),
-                        soft_mode: None,
+                    let at = [surface.mean_displacement, stress];
+                    let frame = Arc::new(Frame {
                         relaxing: true,
-                        state: None,
-                    };
-                    let frame = Arc::new(frame);
+                        ..Frame::of_a_branch(surface.control, at, Arc::new(walk.gap()))
+                    });
                     self.recorder.moves(&frame);
                     sink(Event::Frame(frame));
                 }
@@ -563,15 +557,9 @@ impl Session {
 
 /// Hands out the picture of where a walk stands, and the film of the jump that led there.
 fn show_rest(walk: &mut Walk, recorder: &mut Recorder, sink: &mut dyn FnMut(Event)) {
-    let state = walk.record().clone();
     let frame = Arc::new(Frame {
-        control: state.control,
-        mean_displacement: state.mean_displacement,
-        stress: state.stress,
-        gap: Arc::new(walk.gap_here()),
         soft_mode: walk.soft_mode().map(Arc::new),
-        relaxing: false,
-        state: Some(state),
+        ..Frame::at_rest(walk.record(), Arc::new(walk.gap_here()))
     });
     let film = recorder.rests(&frame);
     sink(Event::Frame(frame));

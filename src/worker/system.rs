@@ -1,18 +1,21 @@
-//! The one door to threads and to the clock: what a program without either (a browser's) replaces.
+//! The one door to threads, to the clock and to other programs, of which one plays a file of sound:
+//! what a program without them (a browser's) replaces.
+
+use std::io::{self, ErrorKind};
+use std::path::Path;
+use std::process::{Command, Stdio};
+use std::thread::{Builder, available_parallelism, scope};
+use std::time::Duration;
 
 pub(super) use std::thread::{JoinHandle, sleep};
 pub(super) use std::time::Instant;
-
-use std::io;
-use std::thread::{Builder, available_parallelism, scope};
-use std::time::Duration;
 
 /// The niceness of a thread that computes: its share of a busy core is a ninth of the window's.
 #[cfg(target_os = "linux")]
 const GIVES_WAY: i32 = 10;
 /// How long threads may take to end, all together: a window closes within two seconds.
 const PATIENCE: Duration = Duration::from_secs(1);
-/// How often a thread is looked at.
+/// How often a thread or a program is looked at.
 const LOOK: Duration = Duration::from_millis(2);
 
 /// Starts a thread.
@@ -65,9 +68,185 @@ pub(super) fn on_every_core(most: usize, work: impl Fn() + Sync, meanwhile: impl
     });
 }
 
-#[cfg(test)]
+/// A program that plays files.
+#[derive(Clone, Copy)]
+struct Player {
+    program: &'static str,
+    /// What it is told; [`FILE`] stands for the path.
+    arguments: &'static [&'static str],
+}
+
+const FILE: &str = "FILE";
+/// Where a player that is a language finds the path, whatever letters it has.
+const VARIABLE: &str = "TACKSCOPE_SOUND";
+
+/// The players in the order in which they are tried. With their own latencies some of them take two
+/// seconds for a click.
+const PLAYERS: &[Player] = if cfg!(windows) {
+    &[Player {
+        program: "powershell",
+        arguments: &[
+            "-NoProfile",
+            "-Command",
+            "(New-Object System.Media.SoundPlayer $env:TACKSCOPE_SOUND).PlaySync()",
+        ],
+    }]
+} else if cfg!(target_os = "macos") {
+    &[Player {
+        program: "afplay",
+        arguments: &[FILE],
+    }]
+} else {
+    &[
+        Player {
+            program: "pw-play",
+            arguments: &["--latency=30ms", FILE],
+        },
+        Player {
+            program: "paplay",
+            arguments: &["--latency-msec=30", FILE],
+        },
+        Player {
+            program: "aplay",
+            arguments: &["-q", "--buffer-time=50000", FILE],
+        },
+    ]
+};
+
+/// The Debian package of a player.
+const PACKAGE: &str = "pulseaudio-utils";
+
+/// How long a player may take: one that waits for a server of sound that does not answer is ended.
+const PLAYED: Duration = Duration::from_secs(3);
+
+/// Plays a file of sound to its end by the first program that can.
+///
+/// # Errors
+/// In words, there is none.
+pub fn play(file: &Path) -> Result<(), String> {
+    by_one_of(PLAYERS, file)
+}
+
+fn by_one_of(players: &[Player], file: &Path) -> Result<(), String> {
+    let mut failed = Vec::new();
+    for player in players {
+        match player.play(file) {
+            Some(Ok(())) => return Ok(()),
+            Some(Err(why)) => failed.push(format!("{}: {why}", player.program)),
+            None => {}
+        }
+    }
+    if !failed.is_empty() {
+        return Err(failed.join("; "));
+    }
+    let names: Vec<&str> = players.iter().map(|player| player.program).collect();
+    let debian = if cfg!(target_os = "linux") {
+        format!(" (on Debian: apt install {PACKAGE})")
+    } else {
+        String::new()
+    };
+    let names = names.join(", ");
+    Err(format!("none of these players is there: {names}{debian}"))
+}
+
+impl Player {
+    /// Plays a file; `None` where there is no such program.
+    fn play(&self, file: &Path) -> Option<Result<(), String>> {
+        let mut command = Command::new(self.program);
+        for argument in self.arguments {
+            if *argument == FILE {
+                command.arg(file);
+            } else {
+                command.arg(argument);
+            }
+        }
+        command
+            .env(VARIABLE, file)
+            .stdin(Stdio::null())
+            .stdout(Stdio::null())
+            .stderr(Stdio::null());
+        // No console opens for it.
+        #[cfg(windows)]
+        {
+            const NO_WINDOW: u32 = 0x0800_0000;
+            std::os::windows::process::CommandExt::creation_flags(&mut command, NO_WINDOW);
+        }
+        let mut child = match command.spawn() {
+            Ok(child) => child,
+            Err(error) if error.kind() == ErrorKind::NotFound => return None,
+            Err(error) => return Some(Err(error.to_string())),
+        };
+        let begun = Instant::now();
+        Some(loop {
+            match child.try_wait() {
+                Ok(Some(status)) if status.success() => break Ok(()),
+                Ok(Some(status)) => break Err(status.to_string()),
+                Ok(None) if begun.elapsed() < PLAYED => sleep(LOOK),
+                Ok(None) => {
+                    // One that has ended meanwhile needs no end.
+                    let _ = child.kill();
+                    let _ = child.wait();
+                    break Err("it does not come to its end".to_owned());
+                }
+                Err(error) => break Err(error.to_string()),
+            }
+        })
+    }
+}
+
+#[cfg(all(test, unix))]
 mod tests {
     use super::*;
+
+    const MISSING: Player = Player {
+        program: "no-such-player-of-sound",
+        arguments: &[FILE],
+    };
+
+    const fn shell(arguments: &'static [&'static str]) -> Player {
+        Player {
+            program: "sh",
+            arguments,
+        }
+    }
+
+    #[test]
+    fn the_first_player_that_can_plays_and_hears_the_path_whatever_its_letters() {
+        let path = Path::new("/a folder/it's a \"click\".wav");
+        let by_place = shell(&[
+            "-c",
+            "test \"$1\" = \"/a folder/it's a \\\"click\\\".wav\"",
+            "sh",
+            FILE,
+        ]);
+        let by_name = shell(&[
+            "-c",
+            "test \"$TACKSCOPE_SOUND\" = \"/a folder/it's a \\\"click\\\".wav\"",
+        ]);
+        let fails = shell(&["-c", "exit 3"]);
+        for can in [by_place, by_name] {
+            assert_eq!(by_one_of(&[MISSING, fails, can], path), Ok(()));
+        }
+    }
+
+    #[test]
+    fn where_nothing_plays_it_is_said_what_would() {
+        let why = by_one_of(&[MISSING], Path::new("a.wav")).unwrap_err();
+        assert!(why.contains("no-such-player-of-sound"), "{why}");
+        assert_eq!(why.contains(PACKAGE), cfg!(target_os = "linux"), "{why}");
+        let fails = shell(&["-c", "exit 3"]);
+        let why = by_one_of(&[MISSING, fails], Path::new("a.wav")).unwrap_err();
+        assert!(why.starts_with("sh: ") && why.contains('3'), "{why}");
+    }
+
+    #[test]
+    fn a_player_that_does_not_end_is_ended() {
+        let begun = Instant::now();
+        let waits = shell(&["-c", "exec sleep 60"]);
+        let why = by_one_of(&[waits], Path::new("a.wav")).unwrap_err();
+        assert!(why.contains("does not come to its end"), "{why}");
+        assert!(begun.elapsed() < Duration::from_secs(20));
+    }
 
     #[test]
     fn a_thread_that_does_not_answer_does_not_keep_the_caller() {

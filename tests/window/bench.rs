@@ -23,9 +23,8 @@ use tackscope::study::chart::Effort;
 use tackscope::study::landscape::{Landscape, Standing};
 use tackscope::study::plan::plan;
 use tackscope::study::time_step_map::TimeStepMap;
-use tackscope::ui::App;
-use tackscope::ui::theme;
 use tackscope::ui::view_state::ViewState;
+use tackscope::ui::{App, theme};
 use tackscope::worker::SolverHandle;
 use tackscope::worker::background::{ChartSoFar, Page, PageContent};
 use tackscope::worker::job::{Computation, Reporter, Wake, Work};
@@ -153,10 +152,6 @@ impl Bench {
         self.window.run();
     }
 
-    pub fn state(&self) -> &ViewState {
-        self.window.view()
-    }
-
     /// The commands since the last call.
     pub fn heard(&self) -> Vec<Command> {
         let heard = self.heard_of().into_iter();
@@ -233,7 +228,7 @@ impl Bench {
 
     /// The solver says something of the present run.
     pub fn say(&mut self, event: Event) {
-        self.say_of(self.state().run.id, event);
+        self.say_of(self.view().run.id, event);
     }
 
     /// The solver says something of this run.
@@ -243,7 +238,7 @@ impl Bench {
 
     /// The solver accepts the scene and says which model runs.
     pub fn ready(&mut self) {
-        let state = self.state();
+        let state = self.view();
         let plan = plan(&state.scene, &self.model, state.asked);
         let choice = ModelChoice {
             plan,
@@ -258,8 +253,17 @@ impl Bench {
         self.say(Event::Ready(Arc::new(ready)));
     }
 
-    /// The solver reaches the flat state at `u0`: its closed form.
-    pub fn reach(&mut self, u0: f64, direction: Direction) {
+    /// The solver comes down, or up, to the flat state at `u0`.
+    pub fn down(&mut self, u0: f64) {
+        self.reach(u0, Direction::Approach);
+    }
+
+    pub fn up(&mut self, u0: f64) {
+        self.reach(u0, Direction::Retraction);
+    }
+
+    /// The closed form of the flat state.
+    fn reach(&mut self, u0: f64, direction: Direction) {
         let law = self.model.law;
         let stress = law.at(u0).traction;
         let state = StateRecord {
@@ -290,7 +294,7 @@ impl Bench {
             relaxing: false,
             state: Some(state.clone()),
         };
-        let run = self.state().run.id;
+        let run = self.view().run.id;
         let said = [Event::State(state), Event::Frame(Arc::new(frame))]
             .map(|message| Envelope { run, message });
         self.hear(said);
@@ -386,6 +390,17 @@ impl Bench {
         let names = self.window.names();
         self.press(Modifiers::NONE, Key::Escape);
         names
+    }
+
+    /// A job that was asked for ends with this.
+    pub fn answer<T>(&mut self, report: &Reporter<T>, result: T) {
+        report.result(result);
+        report.end(Ok(()));
+        self.settle();
+    }
+
+    pub fn ctrl(&mut self, key: Key) {
+        self.press(Modifiers::COMMAND, key);
     }
 
     pub fn press(&mut self, modifiers: Modifiers, key: Key) {

@@ -1,12 +1,27 @@
-//! What is done to a window by hand, and what is read on it, whatever solver is behind it.
+//! What is done to a window by hand, and what is read on it, whatever solver is behind it; and the
+//! window with a solver that has no thread: its session is stepped in the frame.
 
-use egui::{Event, Key, Modifiers, Pos2, Rect, Role, Vec2};
+use super::bench::coarse;
+use egui::{Event as Input, Key, Modifiers, Pos2, Rect, Role, Vec2, vec2};
 use egui_kittest::kittest::{NodeT, Queryable};
-use egui_kittest::{Harness, Node};
+use egui_kittest::{Harness, LazyRenderer, Node, TestRenderer};
+use std::any::Any;
+use std::cell::{Cell, RefCell};
+use std::path::PathBuf;
+use std::sync::Arc;
 use std::thread::sleep;
 use std::time::{Duration, Instant};
-use tackscope::ui::App;
+use tackscope::numerics::cancel::Cancel;
+use tackscope::scene::Scene;
+use tackscope::study::live_loop::{Fineness, LiveLoops};
 use tackscope::ui::view_state::ViewState;
+use tackscope::ui::{App, theme};
+use tackscope::worker::SolverHandle;
+use tackscope::worker::background::Wanted;
+use tackscope::worker::job::{Computation, Wake, Work};
+use tackscope::worker::protocol::{Command, Envelope, Event, LiveState, RunId, Stored};
+use tackscope::worker::session::Session;
+use tempfile::TempDir;
 
 /// The window under test.
 pub type Window = Harness<'static, App>;
@@ -48,6 +63,15 @@ pub trait Hand {
 
     /// Draws until the surface rests.
     fn rest(&mut self);
+
+    /// Plays by this button, until the surface rests.
+    fn play(&mut self, button: &str);
+
+    /// Goes on from what is looked at.
+    fn go_on(&mut self);
+
+    /// Takes the last edit back, and draws until the surface is where it was.
+    fn undo(&mut self);
 
     /// Draws until no file is being read or written any more.
     fn wait_for_file(&mut self);
@@ -115,7 +139,7 @@ impl Hand for Window {
     }
 
     fn write(&mut self, text: &str) {
-        self.event(Event::Text(text.to_owned()));
+        self.event(Input::Text(text.to_owned()));
         self.run();
     }
 
@@ -156,6 +180,23 @@ impl Hand for Window {
         }
     }
 
+    fn play(&mut self, button: &str) {
+        self.get_by_label(button).click();
+        self.step();
+        self.rest();
+    }
+
+    fn go_on(&mut self) {
+        self.key_press(Key::G);
+        self.step();
+        self.run();
+    }
+
+    fn undo(&mut self) {
+        self.key_press_modifiers(Modifiers::COMMAND, Key::Z);
+        self.run_steps(20);
+    }
+
     fn wait_for_file(&mut self) {
         let begun = Instant::now();
         let busy = |notice: &String| notice.ends_with('…');
@@ -170,10 +211,22 @@ impl Hand for Window {
     fn begin(&mut self, words: &str) {
         self.key_press_modifiers(Modifiers::COMMAND, Key::K);
         self.rest();
-        self.event(Event::Text(words.to_owned()));
+        self.event(Input::Text(words.to_owned()));
         self.step();
         self.key_press(Key::Enter);
     }
+}
+
+/// A folder that goes with the test.
+pub fn folder() -> TempDir {
+    tempfile::tempdir().expect("a temporary folder")
+}
+
+/// A path of this name in such a folder, which is to be held.
+pub fn place_for(name: &str) -> (TempDir, PathBuf) {
+    let folder = folder();
+    let path = folder.path().join(name);
+    (folder, path)
 }
 
 /// What has a name that begins with these words.
@@ -183,4 +236,151 @@ pub fn named_from<'a>(window: &'a Window, words: &'a str) -> Option<Node<'a>> {
         name.is_some_and(|name| name.starts_with(words))
     };
     window.query_all_by_label_contains(words).find(begins)
+}
+
+/// Steps of the session in a frame, on a mesh of up to so many points; on larger ones fewer.
+const STEPS: usize = 20;
+const POINTS: usize = 64 * 64;
+
+/// What it does beside its session.
+#[derive(Clone, Copy, Default, PartialEq)]
+enum Beside {
+    /// Foreseen states and live loops, where they are asked for.
+    #[default]
+    Little,
+    /// A live loop of every scene as well.
+    Loops,
+    /// Every job to its end in the moment it is begun as well.
+    Jobs,
+}
+
+#[derive(Default)]
+struct Stepped {
+    session: RefCell<Session>,
+    said: RefCell<Vec<Envelope<Event>>>,
+    /// Points of the mesh.
+    points: Cell<usize>,
+    beside: Beside,
+}
+
+impl Stepped {
+    /// The live loop of a scene.
+    fn foretell(&self, run: RunId, scene: &Scene) {
+        let found =
+            LiveLoops::default().next(scene, &scene.model().expect("allowed"), Fineness::Fine);
+        let live = LiveState {
+            found: found.map_err(|why| why.to_string()),
+            fineness: Fineness::Fine,
+            milliseconds: 1.0,
+        };
+        let message = Event::Live(Arc::new(live));
+        self.said.borrow_mut().push(Envelope { run, message });
+    }
+}
+
+impl SolverHandle for Stepped {
+    fn send(&self, command: Envelope<Command>) {
+        let run = command.run;
+        if let Command::SetScene { scene, .. } = &command.message {
+            let model = scene.model().expect("allowed");
+            self.points.set(model.grid.nx * model.grid.ny);
+            if self.beside != Beside::Little {
+                self.foretell(run, scene);
+            }
+        }
+        let mut said = self.said.borrow_mut();
+        self.session
+            .borrow_mut()
+            .command(command, &Cancel::default(), &mut |message| {
+                said.push(Envelope { run, message });
+            });
+    }
+
+    fn poll(&self) -> Vec<Envelope<Event>> {
+        let mut session = self.session.borrow_mut();
+        let mut said = self.said.take();
+        let (run, now) = (session.run(), Instant::now());
+        for _ in 0..(STEPS * POINTS / self.points.get().max(1)).clamp(1, STEPS) {
+            if session.wait(now + Duration::from_secs(3600)).is_none() {
+                break;
+            }
+            session.step(now, &Cancel::default(), &mut |message| {
+                said.push(Envelope { run, message });
+            });
+        }
+        said
+    }
+
+    fn wake(&self) -> Wake {
+        Arc::new(|| {})
+    }
+
+    fn begin(&self, work: Box<dyn Work>) {
+        let any = &*work as &dyn Any;
+        if self.beside == Beside::Jobs
+            || any.is::<Computation<Wanted, Arc<Stored>>>()
+            || any.is::<Computation<Arc<Scene>, Arc<LiveState>>>()
+        {
+            work.run();
+        }
+    }
+}
+
+/// The window on a scene, with a session that is stepped in the frame.
+pub fn opened(scene: Scene) -> Window {
+    of(
+        Beside::Little,
+        ViewState::new(scene).expect("allowed"),
+        LazyRenderer::default(),
+    )
+}
+
+/// The same beside a live loop.
+pub fn foretold(scene: Scene) -> Window {
+    of(
+        Beside::Loops,
+        ViewState::new(scene).expect("allowed"),
+        LazyRenderer::default(),
+    )
+}
+
+/// The same in this state, with every job done at once, drawn by `renderer`.
+pub fn computing(state: ViewState, renderer: impl TestRenderer + 'static) -> Window {
+    of(Beside::Jobs, state, renderer)
+}
+
+fn of(beside: Beside, state: ViewState, renderer: impl TestRenderer + 'static) -> Window {
+    let solver = Stepped {
+        beside,
+        ..Stepped::default()
+    };
+    let app = App::with_chooser(solver, state, |_| {
+        Box::pin(std::future::ready(None::<PathBuf>))
+    });
+    let mut window = Harness::builder()
+        .with_size(vec2(1280.0, 800.0))
+        .with_context_setup(theme::install)
+        .renderer(renderer)
+        .build_ui_state(|ui, app: &mut App| app.frame(ui), app);
+    window.run();
+    window
+}
+
+#[test]
+fn the_window_plays_a_loop_with_a_session_stepped_in_the_frame() {
+    let mut window = opened(coarse(32));
+    window.get_by_label("Play loop").click();
+    window.step();
+    assert!(window.view().run.is_busy());
+    window.rest();
+    let run = &window.view().run;
+    let closed = run.closed_loop.as_ref().expect("the loop is closed");
+    let loss = closed.summary.ledger.dissipated_energy();
+    assert!(loss.is_some_and(|loss| loss > 0.1), "{closed:?}");
+    assert!(
+        run.record.jumps.len() >= 6 && window.view().frame.is_some(),
+        "{:?}",
+        run.record.jumps
+    );
+    assert_eq!(run.actual, window.view().limits.1);
 }

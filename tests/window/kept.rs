@@ -2,11 +2,9 @@
 
 use super::bench::{Bench, fig2};
 use super::hand::{Hand, Window};
-use super::stored::at_rest;
-use super::stored::run;
+use super::stored::{at_rest, run};
 use egui::Key;
 use egui_kittest::kittest::Queryable;
-use tackscope::follow::record::Direction;
 use tackscope::plot::panel::Role;
 use tackscope::study::live_loop::{Fineness, LiveLoops};
 use tackscope::ui::view_state::Kept;
@@ -18,9 +16,9 @@ fn kept() -> (Bench, Vec<[f64; 2]>) {
     assert!(list(&bench).is_empty());
     bench.says("no loop to keep");
     for u0 in [4.0, 3.9, 3.8] {
-        bench.reach(u0, Direction::Approach);
+        bench.down(u0);
     }
-    let drawn = bench.state().run.curve.points().collect();
+    let drawn = bench.view().run.curve.points().collect();
     bench.tap(Key::L);
     bench.click("law cosine");
     bench.click("Loops tab");
@@ -28,16 +26,16 @@ fn kept() -> (Bench, Vec<[f64; 2]>) {
 }
 
 fn list(bench: &Bench) -> &[Kept] {
-    &bench.state().plots.kept.list
+    &bench.view().plots.kept.list
 }
 
 #[test]
 fn a_kept_loop_stays_while_the_law_changes_until_it_is_deleted_and_comes_back() {
     let (mut bench, drawn) = kept();
-    assert!(bench.state().run.curve.points().next().is_none());
+    assert!(bench.view().run.curve.points().next().is_none());
     let [loop_] = list(&bench) else { panic!("one") };
     assert_eq!(loop_.name, fig2().title);
-    let there = bench.state().lines_of(loop_).concat();
+    let there = bench.view().lines_of(loop_).concat();
     assert_eq!(there.len(), drawn.len());
     for (a, b) in there.iter().zip(&drawn) {
         assert!(
@@ -57,15 +55,15 @@ fn a_kept_loop_is_hidden_and_renamed_in_place_and_its_scene_is_opened_again() {
     let (mut bench, _) = kept();
     let title = fig2().title;
     bench.click(&format!("Show {title}"));
-    assert_eq!(bench.state().plots.kept.drawn().count(), 0);
+    assert_eq!(bench.view().plots.kept.drawn().count(), 0);
     bench.click(&format!("Show {title}"));
-    assert_eq!(bench.state().plots.kept.drawn().count(), 1);
+    assert_eq!(bench.view().plots.kept.drawn().count(), 1);
     bench.click(&format!("Name of {title}"));
     bench.write_over("first");
     assert_eq!(list(&bench)[0].name, "first");
     bench.says("first");
     bench.click("Open the scene of first");
-    assert_eq!(*bench.state().scene, fig2());
+    assert_eq!(*bench.view().scene, fig2());
     assert_eq!(list(&bench).len(), 1, "it stays");
 }
 
@@ -73,7 +71,7 @@ fn a_kept_loop_is_hidden_and_renamed_in_place_and_its_scene_is_opened_again() {
 fn in_absolute_units_a_kept_loop_is_drawn_by_the_ratio_of_the_laws() {
     let (mut bench, drawn) = kept();
     bench.click("Absolute units");
-    let state = bench.state();
+    let state = bench.view();
     let [own, law] = [&fig2().model().unwrap().law, &state.model.law];
     let ratio = [
         own.range / law.range,
@@ -87,7 +85,7 @@ fn in_absolute_units_a_kept_loop_is_drawn_by_the_ratio_of_the_laws() {
         }
     }
     bench.click("Absolute units");
-    let there = bench.state().lines_of(&list(&bench)[0]).concat();
+    let there = bench.view().lines_of(&list(&bench)[0]).concat();
     assert!((there[0][1] - drawn[0][1]).abs() < 1e-12);
 }
 
@@ -95,7 +93,7 @@ fn in_absolute_units_a_kept_loop_is_drawn_by_the_ratio_of_the_laws() {
 fn more_loops_than_can_be_told_apart_are_refused_in_words() {
     let (mut bench, _) = kept();
     for u0 in [4.0, 3.9, 3.8] {
-        bench.reach(u0, Direction::Approach);
+        bench.down(u0);
     }
     for _ in 0..9 {
         bench.tap(Key::L);

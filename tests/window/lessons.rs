@@ -1,8 +1,7 @@
 //! A lesson in the window, by keyboard alone; resumed; lecture mode; the click at a snap.
 
 use super::bench::{Bench, fig2};
-use super::hand::{Hand, Window};
-use super::stepped::opened;
+use super::hand::{Hand, Window, opened};
 use super::stored::looped;
 use eframe::App;
 use egui::Key;
@@ -109,7 +108,7 @@ fn a_lesson_is_resumed_where_it_was_left() {
 fn a_lecture_is_enlarged_as_far_as_there_is_room() {
     for (size, zoom) in [((1280.0, 800.0), 1.4), ((640.0, 480.0), 1.0)] {
         let mut bench = Bench::sized(size.0, size.1);
-        bench.reach(4.0, Direction::Approach);
+        bench.down(4.0);
         bench.tap(Key::F11);
         bench.settle();
         let found = bench.ctx.zoom_factor();
@@ -141,7 +140,7 @@ fn no_kept_loop_and_no_scene_beside_tells_what_a_lesson_asks() {
 #[test]
 fn a_lecture_shows_map_curve_and_a_line_and_takes_guesses_first() {
     let mut bench = Bench::new();
-    bench.reach(4.0, Direction::Approach);
+    bench.down(4.0);
     bench.tap(Key::F11);
     bench.settle();
     let line = "Flat at u₀ = 4.00 ρ, stable. Where will it snap?";
@@ -155,9 +154,9 @@ fn a_lecture_shows_map_curve_and_a_line_and_takes_guesses_first() {
         .get_by_role_and_label(egui::Role::Image, plot.as_str())
         .rect();
     bench.click_at(plot.center());
-    assert_eq!(bench.state().plots.guesses.len(), 1);
+    assert_eq!(bench.view().plots.guesses.len(), 1);
     bench.says("Guesses: ");
-    bench.reach(3.11, Direction::Approach);
+    bench.down(3.11);
     bench.jump(3.102);
     bench.says("Flat → ridge set free 0.123 γ.");
     bench.click("Leave (F11)");
@@ -182,8 +181,8 @@ fn a_snap_clicks_once_where_that_is_wanted_and_nothing_clicks_at_first() {
     bench.jump(3.1);
     assert_eq!(clicks(&mut bench), 0);
     bench.click("Click at a snap");
-    assert!(bench.state().messages.click);
-    bench.reach(3.0, Direction::Approach);
+    assert!(bench.view().messages.click);
+    bench.down(3.0);
     assert_eq!(clicks(&mut bench), 0, "nothing snapped");
     bench.jump(2.9);
     assert_eq!(clicks(&mut bench), 1);
@@ -203,12 +202,12 @@ fn what_is_no_snap_is_silent_and_a_rush_of_them_is_one_click() {
     bench.jump(3.0);
     bench.jump(2.9);
     assert_eq!(clicks(&mut bench), 1, "the first still sounds");
-    let last: JumpRecord = bench.state().run.record.jumps[0].clone();
+    let last: JumpRecord = bench.view().run.record.jumps[0].clone();
     bench.say(Event::Jump(JumpRecord {
         cause: Cause::Transition,
         ..last.clone()
     }));
-    let before = bench.state().run.id - 1;
+    let before = bench.view().run.id - 1;
     bench.say_of(before, Event::Jump(last));
     assert_eq!(
         clicks(&mut bench),
@@ -225,7 +224,7 @@ fn where_nothing_plays_sounds_it_is_said_once_and_nothing_is_tried_any_more() {
     bench.jump(3.1);
     assert_eq!(clicks(&mut bench), 1);
     bench.says("no click at a snap: no player is there");
-    assert!(!bench.state().messages.click);
+    assert!(!bench.view().messages.click);
     bench.jump(2.9);
     assert_eq!(clicks(&mut bench), 1);
 }
@@ -235,7 +234,7 @@ fn the_click_is_kept_between_two_sittings_and_survives_restore_layout() {
     let mut bench = Bench::new();
     switch(&mut bench);
     bench.click("Restore layout");
-    assert!(bench.state().messages.click);
+    assert!(bench.view().messages.click);
     let mut memory = Memory::default();
     bench.state_mut().save(&mut memory);
     let mut next = Bench::new();
@@ -249,5 +248,5 @@ fn the_click_is_kept_between_two_sittings_and_survives_restore_layout() {
     next.state_mut().save(&mut memory);
     let mut last = Bench::new();
     last.state_mut().resume(&ctx, &memory);
-    assert!(!last.state().messages.click);
+    assert!(!last.view().messages.click);
 }

@@ -2,22 +2,16 @@
 //! display, no graphics, no time.
 #![cfg(feature = "gui")]
 
-mod accuracy;
 mod bench;
+mod computed;
 mod hand;
 mod kept;
 mod layout;
 mod lessons;
 mod outside;
-mod paper;
 mod plot;
-mod push;
-mod random;
-mod reading;
 mod scene;
 mod screens;
-mod session;
-mod stepped;
 mod stored;
 mod tabs;
 mod why;
@@ -26,9 +20,8 @@ mod wrongs;
 use bench::{Bench, fig2};
 use egui::{Key, Modifiers, pos2, vec2};
 use egui_kittest::kittest::Queryable;
-use hand::Hand;
+use hand::{Hand, place_for};
 use tackscope::follow::ledger::{Ledger, Open};
-use tackscope::follow::record::Direction;
 use tackscope::scene::Points;
 use tackscope::solver::methods::MethodKind;
 use tackscope::storage::{presets, scene_file};
@@ -52,8 +45,8 @@ fn the_window_opens_at_rest_on_fig2_and_says_what_to_do() {
         matches!(&heard[..], [Envelope { run: 1, message }] if opened(message)),
         "{heard:?}"
     );
-    assert_eq!(bench.state().messages.hint, Some(Hint::Grab));
-    assert_eq!(bench.state().target, bench.state().limits.1);
+    assert_eq!(bench.view().messages.hint, Some(Hint::Grab));
+    assert_eq!(bench.view().target, bench.view().limits.1);
 }
 
 #[test]
@@ -173,7 +166,7 @@ fn dragging_the_u0_slider_sends_a_target_for_every_new_value_and_none_at_rest() 
         targets.windows(2).all(|w| w[1] < w[0]),
         "dragging down lowers the body: {targets:?}"
     );
-    assert_eq!(bench.state().target, targets[targets.len() - 1]);
+    assert_eq!(bench.view().target, targets[targets.len() - 1]);
     bench.settle();
     assert!(bench.heard().is_empty());
 }
@@ -182,9 +175,9 @@ fn dragging_the_u0_slider_sends_a_target_for_every_new_value_and_none_at_rest() 
 fn the_thumb_stays_where_the_hand_left_it_while_the_solver_is_on_its_way() {
     let mut bench = Bench::new();
     bench.tap(Key::End);
-    bench.reach(3.9, Direction::Approach);
-    assert_eq!(bench.state().target, bench.state().limits.0);
-    assert_eq!(bench.state().run.actual, 3.9);
+    bench.down(3.9);
+    assert_eq!(bench.view().target, bench.view().limits.0);
+    assert_eq!(bench.view().run.actual, 3.9);
     bench.says("3.9000 ρ");
 }
 
@@ -226,27 +219,27 @@ fn play_buttons_start_sweeps_and_pause_and_stop_work_while_they_run() {
     ));
     bench.click("Stop");
     assert!(matches!(bench.heard()[..], [Command::Stop { .. }]));
-    assert!(!bench.state().run.is_busy());
+    assert!(!bench.view().run.is_busy());
 }
 
 #[test]
 fn a_sweep_takes_the_thumb_along() {
     let mut bench = Bench::new();
     bench.click("Play approach");
-    bench.reach(3.7, Direction::Approach);
-    assert_eq!((bench.state().target, bench.state().run.actual), (3.7, 3.7));
+    bench.down(3.7);
+    assert_eq!((bench.view().target, bench.view().run.actual), (3.7, 3.7));
     bench.say(Event::Rest {
         motion: 1,
         control: 3.7,
     });
-    assert!(bench.state().run.sweep().is_none() && !bench.state().run.is_busy());
+    assert!(bench.view().run.sweep().is_none() && !bench.view().run.is_busy());
 }
 
 #[test]
 fn the_rest_that_ends_an_older_motion_does_not_take_the_thumb_from_a_sweep() {
     let mut bench = Bench::new();
     bench.tap(Key::End);
-    bench.reach(3.9, Direction::Approach);
+    bench.down(3.9);
     bench.click("Stop");
     bench.click("Play retract");
     // The target was reached in the moment of the stop: two rests are on their way while the sweep
@@ -270,14 +263,14 @@ fn the_rest_that_ends_an_older_motion_does_not_take_the_thumb_from_a_sweep() {
             control: 3.9,
         });
     }
-    bench.reach(3.92, Direction::Retraction);
-    assert!(bench.state().run.is_busy() && bench.state().run.sweep() == Some(Sweep::Retract));
-    assert_eq!(bench.state().target, 3.92, "the thumb no longer follows");
+    bench.up(3.92);
+    assert!(bench.view().run.is_busy() && bench.view().run.sweep() == Some(Sweep::Retract));
+    assert_eq!(bench.view().target, 3.92, "the thumb no longer follows");
     bench.say(Event::Rest {
         motion: sweep,
         control: 3.92,
     });
-    assert!(!bench.state().run.is_busy() && bench.state().run.sweep().is_none());
+    assert!(!bench.view().run.is_busy() && bench.view().run.sweep().is_none());
 }
 
 #[test]
@@ -293,15 +286,15 @@ fn another_law_is_a_new_run_and_undo_brings_the_old_one_back() {
             .collect::<Vec<_>>(),
         ["cosine"]
     );
-    assert_eq!(bench.state().run.id, 2);
+    assert_eq!(bench.view().run.id, 2);
     bench.click("law mie");
     assert_eq!(
         bench.scenes()[0].title,
         format!("Changed: {}", fig2().title)
     );
-    bench.press(Modifiers::COMMAND, Key::Z);
+    bench.ctrl(Key::Z);
     bench.heard();
-    bench.press(Modifiers::COMMAND, Key::Z);
+    bench.ctrl(Key::Z);
     assert_eq!(
         bench
             .scenes()
@@ -310,10 +303,10 @@ fn another_law_is_a_new_run_and_undo_brings_the_old_one_back() {
             .collect::<Vec<_>>(),
         [fig2()]
     );
-    bench.press(Modifiers::COMMAND, Key::Y);
-    assert_eq!(bench.state().scene.law.shape.word(), "cosine");
+    bench.ctrl(Key::Y);
+    assert_eq!(bench.view().scene.law.shape.word(), "cosine");
     bench.click("Undo");
-    assert_eq!(*bench.state().scene, fig2());
+    assert_eq!(*bench.view().scene, fig2());
 }
 
 #[test]
@@ -331,30 +324,30 @@ fn one_drag_of_mu_rho_is_one_undo_and_at_most_one_scene_a_frame() {
     );
     let scenes = bench.scenes();
     assert!((3..=6).contains(&scenes.len()), "{}", scenes.len());
-    assert_ne!(*bench.state().scene, fig2());
-    bench.press(Modifiers::COMMAND, Key::Z);
-    assert_eq!(*bench.state().scene, fig2());
-    assert!(!bench.state().history.can_undo());
+    assert_ne!(*bench.view().scene, fig2());
+    bench.ctrl(Key::Z);
+    assert_eq!(*bench.view().scene, fig2());
+    assert!(!bench.view().history.can_undo());
 }
 
 #[test]
 fn a_named_mesh_of_table_1_sets_its_mu_rho_exactly_and_warns_above_one_half() {
     let mut bench = Bench::new();
     bench.click("mu_rho of Dugdale, 0.798");
-    assert!((bench.state().model.mu_rho - 0.798).abs() < 1e-12);
+    assert!((bench.view().model.mu_rho - 0.798).abs() < 1e-12);
     bench.says("Mesh: too coarse");
     bench.click("Refine");
-    assert!(bench.state().model.mu_rho <= 0.5);
+    assert!(bench.view().model.mu_rho <= 0.5);
     bench.says("Mesh: fine enough");
 }
 
 #[test]
 fn with_the_mesh_following_the_law_stays_and_the_number_of_points_changes() {
     let mut bench = Bench::new();
-    let before = bench.state().model.clone();
+    let before = bench.view().model.clone();
     bench.click("mesh");
     bench.click("mu_rho of safe, 0.5");
-    let after = bench.state().model.clone();
+    let after = bench.view().model.clone();
     assert!((after.law.range - before.law.range).abs() < 1e-12);
     assert!(
         after.grid.nx.is_multiple_of(2) && (after.mu_rho - 0.5).abs() < 0.03,
@@ -368,28 +361,28 @@ fn with_the_mesh_following_the_law_stays_and_the_number_of_points_changes() {
 fn a_line_cell_is_one_click_away() {
     let mut bench = Bench::new();
     bench.click("Line cell (uniform along y)");
-    assert!(matches!(bench.state().scene.cell.points, Points::Line(_)));
-    assert!(bench.state().model.grid.is_line());
+    assert!(matches!(bench.view().scene.cell.points, Points::Line(_)));
+    assert!(bench.view().model.grid.is_line());
 }
 
 #[test]
 fn keys_step_coarsely_finely_and_to_the_ends() {
     let mut bench = Bench::new();
-    let (low, high) = bench.state().limits;
-    let step = bench.state().scene.drive.step;
+    let (low, high) = bench.view().limits;
+    let step = bench.view().scene.drive.step;
     let near = |a: f64, b: f64| assert!((a - b).abs() < 1e-9, "{a} {b}");
     bench.tap(Key::ArrowLeft);
-    near(bench.state().target, high - step);
+    near(bench.view().target, high - step);
     bench.press(Modifiers::SHIFT, Key::ArrowLeft);
-    near(bench.state().target, high - 1.1 * step);
+    near(bench.view().target, high - 1.1 * step);
     bench.tap(Key::PageDown);
-    near(bench.state().target, high - 11.1 * step);
+    near(bench.view().target, high - 11.1 * step);
     bench.tap(Key::ArrowRight);
-    near(bench.state().target, high - 10.1 * step);
+    near(bench.view().target, high - 10.1 * step);
     bench.tap(Key::End);
-    assert_eq!(bench.state().target, low);
+    assert_eq!(bench.view().target, low);
     bench.tap(Key::Home);
-    assert_eq!(bench.state().target, high);
+    assert_eq!(bench.view().target, high);
 }
 
 #[test]
@@ -416,7 +409,7 @@ fn space_plays_and_pauses_period_goes_one_increment_and_r_turns_round() {
     ));
     bench.tap(Key::Escape);
     assert!(matches!(bench.heard()[..], [Command::Stop { .. }]));
-    bench.reach(3.0, Direction::Approach);
+    bench.down(3.0);
     bench.say(Event::Rest {
         motion: 2,
         control: 3.0,
@@ -480,7 +473,7 @@ fn what_to_look_for_in_a_preset_is_one_click_away_while_it_is_edited_too() {
 #[test]
 fn the_first_jump_is_listed_and_the_hint_goes_on() {
     let mut bench = Bench::new();
-    bench.reach(3.2, Direction::Approach);
+    bench.down(3.2);
     bench.says("Something will snap.");
     bench.jump(3.102);
     bench.click("Events tab");
@@ -494,16 +487,16 @@ fn the_first_jump_is_listed_and_the_hint_goes_on() {
 #[test]
 fn the_hint_goes_when_the_surface_was_all_the_way_down_without_a_jump() {
     let mut bench = Bench::new();
-    bench.reach(0.3, Direction::Approach);
-    assert!(bench.state().messages.hint.is_some());
-    bench.reach(0.2, Direction::Approach);
-    assert_eq!(bench.state().messages.hint, None);
+    bench.down(0.3);
+    assert!(bench.view().messages.hint.is_some());
+    bench.down(0.2);
+    assert_eq!(bench.view().messages.hint, None);
 }
 
 #[test]
 fn a_jump_is_announced_and_a_second_one_not_within_two_seconds() {
     let mut bench = Bench::new();
-    let said = |bench: &Bench| bench.state().messages.announced.clone();
+    let said = |bench: &Bench| bench.view().messages.announced.clone();
     let time = |bench: &Bench| bench.ctx.input(|input| input.time);
     assert_eq!(said(&bench), "");
     let begun = time(&bench);
@@ -522,7 +515,7 @@ fn a_jump_is_announced_and_a_second_one_not_within_two_seconds() {
 #[test]
 fn the_map_and_the_plot_say_one_sentence_each() {
     let mut bench = Bench::new();
-    bench.reach(3.9, Direction::Approach);
+    bench.down(3.9);
     bench.says("Gap map: flat, gap from 3.900 to 3.900 rho");
     bench.says("Stress against u0: flat at u0 3.900 rho");
 }
@@ -530,7 +523,7 @@ fn the_map_and_the_plot_say_one_sentence_each() {
 #[test]
 fn the_status_bar_says_stability_model_and_cost() {
     let mut bench = Bench::new();
-    bench.reach(3.9, Direction::Approach);
+    bench.down(3.9);
     let names = bench.status();
     for words in [
         "stable, stiffness_min",
@@ -547,7 +540,7 @@ fn the_status_bar_says_stability_model_and_cost() {
 fn stale_events_of_an_older_run_are_dropped() {
     let mut bench = Bench::new();
     bench.click("law cosine");
-    let actual = bench.state().run.actual;
+    let actual = bench.view().run.actual;
     bench.say_of(
         1,
         Event::Failed(Failure {
@@ -562,23 +555,23 @@ fn stale_events_of_an_older_run_are_dropped() {
             control: 1.0,
         },
     );
-    assert_eq!(bench.state().messages.failure, None);
-    assert_eq!(bench.state().run.actual, actual);
+    assert_eq!(bench.view().messages.failure, None);
+    assert_eq!(bench.view().run.actual, actual);
 }
 
 #[test]
 fn a_failure_is_said_in_words_with_its_remedy_and_the_last_good_state_stays() {
     let mut bench = Bench::new();
-    bench.reach(3.9, Direction::Approach);
+    bench.down(3.9);
     bench.say(Event::Failed(Failure {
         message: "did not converge at u0 = 0.31".to_owned(),
         remedy: "Take a smaller step.".to_owned(),
     }));
     bench.says("did not converge");
     bench.says("Take a smaller step.");
-    assert_eq!(bench.state().run.actual, 3.9);
+    assert_eq!(bench.view().run.actual, 3.9);
     bench.click("Dismiss");
-    assert_eq!(bench.state().messages.failure, None);
+    assert_eq!(bench.view().messages.failure, None);
 }
 
 #[test]
@@ -591,17 +584,17 @@ fn a_closed_loop_shades_its_area_and_says_its_number() {
         jumps: 0,
     });
     for u0 in [4.0, 3.0, 2.0, 1.0] {
-        bench.reach(u0, Direction::Approach);
+        bench.down(u0);
     }
     // A chord over what the approach followed: not the same curve.
     for u0 in [1.5, 4.0] {
-        bench.reach(u0, Direction::Retraction);
+        bench.up(u0);
     }
     bench.say(Event::Loop(summary(ledger(0.4321, 0.4322))));
     bench.says("0.4321 γ lost");
     assert!(
         bench
-            .state()
+            .view()
             .run
             .closed_loop
             .as_ref()
@@ -613,8 +606,8 @@ fn a_closed_loop_shades_its_area_and_says_its_number() {
     });
     assert_eq!(
         (
-            bench.state().plots.ghosts.len(),
-            bench.state().run.closed_loop.is_none()
+            bench.view().plots.ghosts.len(),
+            bench.view().run.closed_loop.is_none()
         ),
         (1, true)
     );
@@ -644,7 +637,7 @@ fn a_loss_whose_check_fails_is_shown_with_the_doubt_and_an_open_loop_has_none() 
     let mut bench = Bench::new();
     bench.ready();
     for u0 in [4.0, 3.0, 2.0, 1.0] {
-        bench.reach(u0, Direction::Approach);
+        bench.down(u0);
     }
     bench.say(Event::Loop(summary(ledger(0.4321, 0.3))));
     bench.says("0.4321 γ lost");
@@ -665,15 +658,15 @@ fn a_loss_whose_check_fails_is_shown_with_the_doubt_and_an_open_loop_has_none() 
 #[test]
 fn the_axes_do_not_move_while_data_arrive_until_fit_is_pressed() {
     let mut bench = Bench::new();
-    let axes = bench.state().axes();
+    let axes = bench.view().axes();
     for i in 0..20 {
-        bench.reach(4.0 - 0.1 * f64::from(i), Direction::Approach);
+        bench.down(4.0 - 0.1 * f64::from(i));
     }
-    assert_eq!(bench.state().axes(), axes);
+    assert_eq!(bench.view().axes(), axes);
     bench.click("Fit");
-    assert_ne!(bench.state().axes(), axes);
+    assert_ne!(bench.view().axes(), axes);
     bench.click("Scene axes");
-    assert_eq!(bench.state().axes(), axes);
+    assert_eq!(bench.view().axes(), axes);
 }
 
 #[test]
@@ -686,8 +679,7 @@ fn without_a_file_chooser_the_path_can_be_typed() {
         .get_by_role_and_label(egui::Role::TextInput, "Path")
         .focus();
     bench.run();
-    let folder = tempfile::tempdir().expect("a temporary folder");
-    let path = folder.path().join("mine.toml");
+    let (_folder, path) = place_for("mine.toml");
     let text = path.display().to_string();
     bench.key_press_modifiers(Modifiers::COMMAND, Key::A);
     bench.run();
@@ -697,13 +689,9 @@ fn without_a_file_chooser_the_path_can_be_typed() {
     assert!(path.exists());
     bench.says("mine.toml written");
     bench.open("/nowhere/at/all.toml".as_ref());
-    assert!(
-        bench.state().messages.failure.is_some(),
-        "{}",
-        bench.names()
-    );
+    assert!(bench.view().messages.failure.is_some(), "{}", bench.names());
     bench.tap(Key::Escape);
-    assert_eq!(*bench.state().scene, fig2());
+    assert_eq!(*bench.view().scene, fig2());
 }
 
 #[test]

@@ -3,7 +3,7 @@
 //! clipboard; the layout restored.
 
 use super::bench::{Bench, fig2};
-use super::hand::Hand;
+use super::hand::{Hand, folder, place_for};
 use egui::epaint::{ClippedShape, Shape};
 use egui::{
     Event as Input, Key, Modifiers, MouseWheelSource, MouseWheelUnit, OutputCommand, PointerButton,
@@ -11,7 +11,6 @@ use egui::{
 };
 use egui_kittest::kittest::Queryable;
 use std::sync::Arc;
-use tackscope::follow::record::Direction;
 use tackscope::physics::pattern::Pattern;
 use tackscope::plot::style::Colours;
 use tackscope::storage::scene_file;
@@ -33,7 +32,7 @@ fn walked() -> Bench {
         if jumps {
             bench.jump(u0);
         }
-        bench.reach(u0, Direction::Approach);
+        bench.down(u0);
     }
     bench
 }
@@ -46,14 +45,14 @@ fn a_click_on_the_curve_shows_the_numbers_of_the_state_there() {
         .rect();
     // The axes are the scene's; the plot's own margins are found by asking for the place of two
     // known values.
-    let state = bench.state().run.record.states[1].clone();
+    let state = bench.view().run.record.states[1].clone();
     let found = (0..200).any(|i| {
         let x = plot.left() + plot.width() * (0.6 + 0.002 * i as f32);
         (0..8).any(|k| {
             let y = plot.bottom() - plot.height() * (0.08 + 0.02 * k as f32);
             bench.click_at(egui::pos2(x, y));
             bench
-                .state()
+                .view()
                 .run
                 .selection
                 .as_ref()
@@ -68,7 +67,7 @@ fn a_click_on_the_curve_shows_the_numbers_of_the_state_there() {
     bench.click("Walk to it");
     assert_eq!(bench.targets(), [3.5]);
     bench.click("Close the card");
-    assert_eq!(bench.state().run.selection, None);
+    assert_eq!(bench.view().run.selection, None);
 }
 
 #[test]
@@ -76,7 +75,7 @@ fn j_and_k_step_through_the_jumps_and_escape_leaves_them() {
     let mut bench = walked();
     let at = |bench: &Bench| {
         bench
-            .state()
+            .view()
             .run
             .selection
             .as_ref()
@@ -101,7 +100,7 @@ fn a_click_on_a_row_of_the_events_shows_the_state_after_that_jump() {
     bench.click("3.102");
     assert_eq!(
         bench
-            .state()
+            .view()
             .run
             .selection
             .as_ref()
@@ -132,10 +131,10 @@ fn the_scene_goes_to_the_clipboard_as_text_and_comes_back() {
     let text = copied.replace("length = 256", "length = 200");
     bench.event(Input::Paste(text));
     bench.settle();
-    assert_eq!(bench.state().scene.cell.length, 200.0);
+    assert_eq!(bench.view().scene.cell.length, 200.0);
     bench.event(Input::Paste("a shopping list".to_owned()));
     bench.settle();
-    assert!(bench.state().messages.failure.is_some() && bench.state().scene.cell.length == 200.0);
+    assert!(bench.view().messages.failure.is_some() && bench.view().scene.cell.length == 200.0);
 }
 
 #[test]
@@ -145,18 +144,18 @@ fn restore_layout_brings_view_and_axes_back() {
     bench.click("Stability tab");
     bench.click("soft mode on map");
     bench.click("Restore layout");
-    assert_eq!(bench.state().view, Default::default());
-    assert_eq!(bench.state().plots.fit, None);
+    assert_eq!(bench.view().view, Default::default());
+    assert_eq!(bench.view().plots.fit, None);
 }
 
 #[test]
 fn the_map_and_its_picture_are_in_the_chosen_colours() {
     let mut bench = walked();
-    let folder = tempfile::tempdir().expect("a temporary folder");
+    let folder = folder();
     for (colours, word) in Colours::ALL {
         bench.click(&format!("Colours: {word}"));
         bench.tap(Key::Escape);
-        assert_eq!(bench.state().view.colours, colours);
+        assert_eq!(bench.view().view.colours, colours);
         let path = folder.path().join(format!("{}.png", word.len()));
         bench.click("Export picture…");
         bench.click("gap map");
@@ -180,14 +179,13 @@ fn write_to(bench: &mut Bench, path: &std::path::Path) {
     bench.run();
     bench.write_over(&path.display().to_string());
     bench.click("Write");
-    assert_eq!(bench.state().messages.failure, None);
+    assert_eq!(bench.view().messages.failure, None);
 }
 
 #[test]
 fn the_curve_is_written_as_an_svg_that_names_the_scene() {
     let mut bench = walked();
-    let folder = tempfile::tempdir().expect("a temporary folder");
-    let path = folder.path().join("loop.svg");
+    let (_folder, path) = place_for("loop.svg");
     bench.click("Export picture…");
     bench.click("stress curve, SVG");
     write_to(&mut bench, &path);
@@ -203,17 +201,16 @@ fn the_curve_is_written_as_an_svg_that_names_the_scene() {
 fn an_exported_picture_opens_again_as_its_scene() {
     let mut bench = walked();
     bench.click("law cosine");
-    let scene = bench.state().scene.clone();
-    let folder = tempfile::tempdir().expect("a temporary folder");
-    let path = folder.path().join("loop.png");
+    let scene = bench.view().scene.clone();
+    let (_folder, path) = place_for("loop.png");
     bench.click("Export picture…");
     write_to(&mut bench, &path);
     bench.click("law mie");
     bench.open(&path);
     assert_eq!(
         (
-            bench.state().messages.failure.clone(),
-            bench.state().scene.clone()
+            bench.view().messages.failure.clone(),
+            bench.view().scene.clone()
         ),
         (None, scene)
     );
@@ -223,7 +220,7 @@ fn an_exported_picture_opens_again_as_its_scene() {
 fn zoomable() -> (Bench, Rect) {
     let mut bench = Bench::new();
     for i in 0..8 {
-        bench.reach(4.0 - 0.1 * f64::from(i), Direction::Approach);
+        bench.down(4.0 - 0.1 * f64::from(i));
     }
     let plot = bench.place("Stress against u0:");
     (bench, plot)
@@ -244,7 +241,7 @@ fn wheel(bench: &mut Bench, at: Pos2, turned: f32) {
 
 /// The value at a place in shares of the axes.
 fn at(bench: &Bench, share: [f64; 2]) -> [f64; 2] {
-    let (low, high) = bench.state().axes();
+    let (low, high) = bench.view().axes();
     [0, 1].map(|k| low[k] + share[k] * (high[k] - low[k]))
 }
 
@@ -255,16 +252,16 @@ fn near(a: [f64; 2], b: [f64; 2], within: f64) -> bool {
 #[test]
 fn the_wheel_over_the_plot_zooms_about_the_pointer_and_scene_axes_brings_it_back() {
     let (mut bench, plot) = zoomable();
-    let scene = bench.state().axes();
+    let scene = bench.view().axes();
     let length = |bench: &Bench| {
-        let (low, high) = bench.state().axes();
+        let (low, high) = bench.view().axes();
         [high[0] - low[0], high[1] - low[1]]
     };
-    let (begun, target) = (length(&bench), bench.state().target);
+    let (begun, target) = (length(&bench), bench.view().target);
     // Something stays where it is: the place under the pointer, wherever that is in the frame.
     let pointer = plot.lerp_inside(vec2(0.7, 0.4));
     wheel(&mut bench, pointer, 80.0);
-    let (closer, (low, high)) = (length(&bench), bench.state().axes());
+    let (closer, (low, high)) = (length(&bench), bench.view().axes());
     assert!(
         (0..2).all(|k| closer[k] < 0.8 * begun[k]),
         "{closer:?} {begun:?}"
@@ -283,7 +280,7 @@ fn the_wheel_over_the_plot_zooms_about_the_pointer_and_scene_axes_brings_it_back
     };
     let first = fixed(scene, (low, high));
     wheel(&mut bench, pointer, 80.0);
-    let second = fixed((low, high), bench.state().axes());
+    let second = fixed((low, high), bench.view().axes());
     assert!(near(first, second, 1e-3), "{first:?} {second:?}");
     wheel(&mut bench, pointer, -400.0);
     assert!(length(&bench)[0] > begun[0]);
@@ -292,9 +289,9 @@ fn the_wheel_over_the_plot_zooms_about_the_pointer_and_scene_axes_brings_it_back
         wheel(&mut bench, pointer, -800.0);
     }
     assert!(length(&bench)[0] < 5.0 * begun[0]);
-    assert_eq!(bench.state().target, target, "the body has not moved");
+    assert_eq!(bench.view().target, target, "the body has not moved");
     bench.click("Scene axes");
-    assert_eq!(bench.state().axes(), scene);
+    assert_eq!(bench.view().axes(), scene);
 }
 
 #[test]
@@ -317,7 +314,7 @@ fn a_drag_with_the_second_button_moves_the_axes_and_shows_no_stored_state() {
         after[0] > before[0] && after[1] > before[1],
         "{before:?} {after:?}"
     );
-    assert!(bench.state().run.selection.is_none());
+    assert!(bench.view().run.selection.is_none());
 }
 
 pub fn live() -> Arc<LiveState> {
@@ -336,7 +333,7 @@ pub fn live() -> Arc<LiveState> {
 #[test]
 fn the_live_loop_is_drawn_and_its_energy_and_milliseconds_are_in_the_status_bar() {
     let mut bench = Bench::new();
-    bench.reach(4.2, Direction::Approach);
+    bench.down(4.2);
     let live = live();
     let lost = live.found.as_ref().unwrap().dissipated_energy;
     bench.say(Event::Live(live));
@@ -353,13 +350,13 @@ fn a_loop_of_an_older_run_is_shown_until_a_newer_one_comes_and_never_after_it() 
     let mut bench = Bench::new();
     bench.click("law cosine");
     bench.click("law mie");
-    let shown = |bench: &Bench| bench.state().plots.live.as_ref().map(|live| live.run);
+    let shown = |bench: &Bench| bench.view().plots.live.as_ref().map(|live| live.run);
     bench.say_of(2, Event::Live(live()));
     assert_eq!(shown(&bench), Some(2));
     bench.say_of(1, Event::Live(live()));
     assert_eq!(shown(&bench), Some(2));
     bench.tap(Key::End);
-    assert_eq!(bench.state().foreseen(), None, "it belongs to another law");
+    assert_eq!(bench.view().foreseen(), None, "it belongs to another law");
     bench.say_of(3, Event::Live(live()));
     assert_eq!(shown(&bench), Some(3));
 }
@@ -367,21 +364,21 @@ fn a_loop_of_an_older_run_is_shown_until_a_newer_one_comes_and_never_after_it() 
 #[test]
 fn where_the_surface_will_stand_is_said_in_the_frame_in_which_the_slider_moves() {
     let mut bench = Bench::new();
-    bench.reach(4.2, Direction::Approach);
+    bench.down(4.2);
     bench.say_of(1, Event::Live(live()));
-    assert_eq!(bench.state().foreseen(), None);
+    assert_eq!(bench.view().foreseen(), None);
     bench.enter("Target", "2.0");
-    let (pattern, sample) = bench.state().foreseen().expect("an answer from the atlas");
+    let (pattern, sample) = bench.view().foreseen().expect("an answer from the atlas");
     assert_eq!((pattern, sample.control), (Pattern::Ridge, 2.0));
     bench.says("ahead: ridge, stress");
-    bench.reach(2.0, Direction::Approach);
-    assert_eq!(bench.state().foreseen(), None, "the walk is there");
+    bench.down(2.0);
+    assert_eq!(bench.view().foreseen(), None, "the walk is there");
 }
 
 #[test]
 fn a_scene_the_atlas_does_not_hold_says_so_in_words() {
     let mut bench = Bench::new();
-    bench.reach(4.2, Direction::Approach);
+    bench.down(4.2);
     let found = Err("the atlas holds square cells on flat ground".to_owned());
     bench.say(Event::Live(Arc::new(LiveState {
         found,

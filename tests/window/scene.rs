@@ -3,13 +3,11 @@
 //! hand, changed on the way.
 
 use super::bench::{Bench, fig2};
-use super::hand::Hand;
-use super::random::signed_zero;
-use super::stepped::opened;
-use egui::{Key, Modifiers};
+use super::hand::{Hand, folder, opened, place_for};
+use super::wrongs::signed_zero;
+use egui::Key;
 use egui_kittest::kittest::Queryable;
 use std::fs;
-use tackscope::follow::record::Direction;
 use tackscope::physics::body::{Body, Layer};
 use tackscope::physics::control::Control;
 use tackscope::physics::indenter::Indenter;
@@ -18,8 +16,7 @@ use tackscope::worker::protocol::{Command, Event};
 
 #[test]
 fn a_height_file_becomes_the_ground_and_the_tab_shows_map_and_numbers() {
-    let home = tempfile::tempdir().expect("a temporary folder");
-    let path = home.path().join("map.csv");
+    let (_home, path) = place_for("map.csv");
     let row = |j: usize| {
         let cells = (0..8).map(|i| ((i * j) % 5).to_string());
         cells.collect::<Vec<_>>().join(",")
@@ -27,9 +24,9 @@ fn a_height_file_becomes_the_ground_and_the_tab_shows_map_and_numbers() {
     let rows: Vec<String> = (0..8).map(row).collect();
     fs::write(&path, rows.join("\n")).expect("written");
     let mut bench = Bench::new();
-    let before = bench.state().scene.clone();
+    let before = bench.view().scene.clone();
     bench.open(&path);
-    let scene = bench.state().scene.clone();
+    let scene = bench.view().scene.clone();
     let Indenter::Measured(measured) = &scene.indenter else {
         panic!("{:?}: {}", scene.indenter, bench.names());
     };
@@ -47,20 +44,19 @@ fn a_height_file_becomes_the_ground_and_the_tab_shows_map_and_numbers() {
     ] {
         bench.says(words);
     }
-    bench.press(Modifiers::COMMAND, Key::Z);
-    assert_eq!(bench.state().scene, before);
+    bench.ctrl(Key::Z);
+    assert_eq!(bench.view().scene, before);
 }
 
 #[test]
 fn a_broken_height_file_is_refused_with_its_line_and_the_scene_stays() {
-    let home = tempfile::tempdir().expect("a temporary folder");
-    let path = home.path().join("map.csv");
+    let (_home, path) = place_for("map.csv");
     fs::write(&path, "1,2,3,4\n5,6,seven,8\n").expect("written");
     let mut bench = Bench::new();
-    let before = bench.state().scene.clone();
+    let before = bench.view().scene.clone();
     bench.open(&path);
     bench.says("line 2, column 3");
-    assert_eq!(bench.state().scene, before);
+    assert_eq!(bench.view().scene, before);
 }
 
 #[test]
@@ -69,7 +65,7 @@ fn a_spring_is_chosen_from_its_picture_and_the_slider_then_drives_the_stage() {
     bench.heard();
     bench.says("mean displacement u0");
     bench.click("machine spring");
-    let drive = bench.state().scene.drive;
+    let drive = bench.view().scene.drive;
     let Control::Spring { stiffness } = drive.control else {
         panic!("{drive:?}")
     };
@@ -80,14 +76,14 @@ fn a_spring_is_chosen_from_its_picture_and_the_slider_then_drives_the_stage() {
     bench.says("stage w");
     bench.enter("Stiffness of the spring k", "0.005");
     let asked = Control::Spring { stiffness: 0.005 };
-    assert_eq!(bench.state().scene.drive.control, asked);
+    assert_eq!(bench.view().scene.drive.control, asked);
     bench.says("it snaps as one block");
     bench.click("machine weight");
-    assert_eq!(bench.state().scene.drive.control, Control::Load);
+    assert_eq!(bench.view().scene.drive.control, Control::Load);
     bench.says("load F");
     // Back on the way it came, one edit at a time.
     bench.click("machine stiff");
-    assert_eq!(bench.state().scene.drive.control, Control::Displacement);
+    assert_eq!(bench.view().scene.drive.control, Control::Displacement);
     bench.says("mean displacement u0");
 }
 
@@ -97,15 +93,15 @@ fn a_click_on_the_map_opens_the_scene_of_that_range_and_the_map_stays() {
     bench.click("Map tab");
     bench.run_jobs();
     let map = bench.place_of("Map of patterns: approach");
-    let before = bench.state().model.law.range;
+    let before = bench.view().model.law.range;
     bench.click_at(map.lerp_inside(egui::vec2(0.6, 0.7)));
     bench.settle();
-    let after = bench.state().model.law.range;
+    let after = bench.view().model.law.range;
     assert!(after < 0.9 * before && after > 0.5 * before, "{after}");
     // It holds this scene too: nothing is begun anew.
     bench.get_by_label("Map of patterns: approach");
     // The loop under the pointer lies in the plot while it is there.
-    let preview = |bench: &Bench| bench.state().plots.preview.clone();
+    let preview = |bench: &Bench| bench.view().plots.preview.clone();
     bench.hover_at(map.lerp_inside(egui::vec2(0.6, 0.3)));
     bench.settle();
     let shown = preview(&bench).expect("a loop");
@@ -141,12 +137,12 @@ fn labels_and_typed_values_are_in_the_units_of_the_scene() {
         "{before}"
     );
     bench.command("preset rubber");
-    assert!(bench.state().scene.units.is_some());
+    assert!(bench.view().scene.units.is_some());
     // 0.55 um, where the drive begins.
     bench.says("550.00 nm");
     let found = bench.command("300");
     assert!(found.contains("Go to u₀ = 300 nm"), "{found}");
-    let target = bench.state().target;
+    let target = bench.view().target;
     assert!((target / 0.3 - 1.0).abs() < 1e-12, "300 nm of um: {target}");
 }
 
@@ -178,11 +174,11 @@ fn exported(bench: &mut Bench, name: &str, path: &std::path::Path) -> String {
 
 #[test]
 fn the_curves_of_a_tab_are_written_as_it_shows_them() {
-    let home = tempfile::tempdir().expect("a temporary folder");
+    let home = folder();
     let at = |name: &str| home.path().join(name);
     let mut bench = Bench::new();
     for u0 in [4.0, 3.9, 3.8] {
-        bench.reach(u0, Direction::Approach);
+        bench.down(u0);
     }
     let text = exported(&mut bench, "curves of the tab as", &at("why.csv"));
     assert!(text.is_empty());
@@ -201,11 +197,11 @@ fn the_curves_of_a_tab_are_written_as_it_shows_them() {
     };
     let mut written: Vec<[f64; 2]> = text.lines().filter_map(numbers).collect();
     written.sort_by(|a, b| b[0].total_cmp(&a[0]));
-    let states = bench.state().run.record.states.clone();
+    let states = bench.view().run.record.states.clone();
     assert_eq!(written.len(), states.len(), "{text}");
     for (written, state) in written.iter().zip(&states) {
         let [u0, eigenvalue] = *written;
-        assert_eq!(u0, state.mean_displacement / bench.state().rho());
+        assert_eq!(u0, state.mean_displacement / bench.view().rho());
         assert!((eigenvalue / state.stiffness_min - 1.0).abs() < 1e-9);
     }
     bench.command("preset rubber");
@@ -215,8 +211,7 @@ fn the_curves_of_a_tab_are_written_as_it_shows_them() {
 
 #[test]
 fn every_curve_of_the_plot_is_written_in_the_units_of_its_axes() {
-    let home = tempfile::tempdir().expect("a temporary folder");
-    let path = home.path().join("curves.csv");
+    let (_home, path) = place_for("curves.csv");
     let mut bench = Bench::new();
     bench.command("preset rubber");
     let text = exported(&mut bench, "curves of the plot as", &path);
@@ -251,7 +246,7 @@ fn the_status_bar_says_the_model_in_use_and_the_error_it_is_expected_to_have() {
         "before the solver has spoken"
     );
     bench.ready();
-    bench.reach(3.9, Direction::Approach);
+    bench.down(3.9);
     assert!(bench.names().contains("exact to 0.005 %"), "the chip");
     let names = bench.status();
     for words in [
@@ -287,11 +282,11 @@ fn the_plan_is_overruled_by_hand_which_begins_a_new_run() {
 fn a_model_changed_on_the_way_is_a_notice_and_no_failure() {
     let mut bench = Bench::new();
     bench.ready();
-    let mut choice = bench.state().run.ready.as_ref().unwrap().choice.clone();
+    let mut choice = bench.view().run.ready.as_ref().unwrap().choice.clone();
     choice.part = Part::Whole;
     choice.because = Some("a mode that is not mirror-symmetric goes soft here".to_owned());
     bench.say(Event::Remodelled(choice));
-    assert_eq!(bench.state().messages.failure, None);
+    assert_eq!(bench.view().messages.failure, None);
     bench.says("now on the whole cell: a mode that is not mirror-symmetric goes soft here");
     assert!(
         bench
@@ -313,11 +308,11 @@ fn the_body_becomes_a_layer_by_its_list_and_its_numbers_are_edited_like_those_of
     list(&bench).click();
     bench.settle();
     bench.click("layer");
-    let thickness = bench.state().model.grid.length / 8.0;
+    let thickness = bench.view().model.grid.length / 8.0;
     let layer = |poisson| Body::Layer(Layer { thickness, poisson });
-    assert_eq!(bench.state().scene.body, layer(0.5));
+    assert_eq!(bench.view().scene.body, layer(0.5));
     bench.enter("Poisson's ratio ν", "0.3");
-    assert_eq!(bench.state().scene.body, layer(0.3));
+    assert_eq!(bench.view().scene.body, layer(0.3));
     let scene = bench.scenes().pop().expect("a new run");
     assert_eq!(scene.body, layer(0.3));
     // The plate is driven, and pulls at the surface through the layer.

@@ -7,8 +7,7 @@
 //! and no graphics.
 
 use super::bench::fig2;
-use super::hand::{Hand, Window};
-use super::stepped::computing;
+use super::hand::{Hand, Window, computing};
 use super::stored::strip;
 use egui::epaint::{ClippedPrimitive, Mesh, Primitive, Vertex};
 use egui::{

@@ -2,9 +2,8 @@
 //! surface; the path as a film. And those that the live loop foresees.
 
 use super::bench::coarse;
-use super::hand::{Hand, Window};
-use super::stepped::{foretold, opened};
-use egui::{Key, Modifiers, Pos2, pos2};
+use super::hand::{Hand, Window, folder, foretold, opened};
+use egui::{Key, Pos2, pos2};
 use egui_kittest::kittest::Queryable;
 use ndarray::Array2;
 use std::path::Path;
@@ -13,7 +12,7 @@ use std::time::Duration;
 use tackscope::follow::record::{Direction, StateRecord};
 use tackscope::physics::pattern::Pattern;
 use tackscope::solver::Stop;
-use tackscope::ui::view_state::{Origin, RunView, Stretch, stretches};
+use tackscope::ui::view_state::{Origin, RunView, Selection, Stretch, stretches};
 
 /// A state, and its gap as it was seen.
 pub type Seen = (StateRecord, Arc<Array2<f64>>);
@@ -40,6 +39,16 @@ pub fn looped() -> (Window, Vec<Seen>) {
 
 pub fn run(window: &Window) -> &RunView {
     &window.view().run
+}
+
+/// The state that is looked at.
+pub fn chosen(window: &Window) -> Selection {
+    run(window).selection.clone().expect("a state")
+}
+
+/// The newest state.
+pub fn now(window: &Window) -> StateRecord {
+    run(window).state.clone().expect("a state")
 }
 
 /// What map and profile show.
@@ -74,7 +83,7 @@ fn a_press_on_the_strip_shows_that_very_state_and_escape_the_present() {
                 place.top() + row * place.height(),
             );
             window.click_at(at);
-            let selection = run(&window).selection.clone().expect("a state");
+            let selection = chosen(&window);
             assert_eq!(selection.state.direction, direction);
             let wanted = low + f64::from(share) * (high - low);
             assert!((selection.state.control - wanted).abs() < 0.02, "{wanted}");
@@ -101,7 +110,7 @@ fn every_state_that_was_seen_is_shown_again_as_it_was() {
     for _ in 0..run(&window).record.states.len() {
         window.key_press(Key::OpenBracket);
         window.step();
-        let state = run(&window).selection.clone().expect("a state").state;
+        let state = chosen(&window).state;
         let this = |s: &StateRecord| {
             (s.direction, s.control, s.energy) == (state.direction, state.control, state.energy)
         };
@@ -159,11 +168,9 @@ fn go_on_from_here_forks_the_path_and_keeps_the_way_to_that_state() {
     // After the second jump.
     window.tap(Key::J);
     window.tap(Key::J);
-    let chosen = run(&window).selection.clone().expect("a state");
+    let chosen = chosen(&window);
     let gap = shown(&window);
-    window.key_press(Key::G);
-    window.step();
-    window.run();
+    window.go_on();
     let after = run(&window);
     assert!(!after.is_busy() && after.selection.is_none());
     assert_eq!(after.actual, chosen.state.control);
@@ -176,9 +183,7 @@ fn go_on_from_here_forks_the_path_and_keeps_the_way_to_that_state() {
     assert_eq!(after.record.jumps[..], before.jumps[..2]);
     assert_eq!(window.view().plots.ghosts.len(), 1);
     // It goes on as it went.
-    window.get_by_label("Play approach").click();
-    window.step();
-    window.rest();
+    window.play("Play approach");
     let again = &run(&window).record;
     for (a, b) in again.jumps.iter().zip(&before.jumps).take(4) {
         assert_eq!((a.from, a.to), (b.from, b.to));
@@ -194,7 +199,7 @@ fn the_states_on_a_path_that_a_fork_left_are_shown_and_gone_on_from() {
     for _ in 0..run(&window).record.states.len() {
         window.key_press(Key::OpenBracket);
         window.step();
-        let chosen = run(&window).selection.clone().expect("a state");
+        let chosen = chosen(&window);
         seen.push((chosen.state, shown(&window)));
     }
     for key in [Key::J, Key::J, Key::G] {
@@ -218,10 +223,8 @@ fn the_states_on_a_path_that_a_fork_left_are_shown_and_gone_on_from() {
     assert!(chosen.state.control < run(&window).actual);
     assert!(apart(gap, &shown(&window)) < 1e-6);
     assert_eq!(run(&window).record.states.len(), reached);
-    window.key_press(Key::G);
-    window.step();
-    window.run();
-    let now = run(&window).state.clone().expect("a state");
+    window.go_on();
+    let now = now(&window);
     assert_eq!(state(&now), state(&chosen.state));
     assert!(apart(gap, &shown(&window)) < 1e-6);
 }
@@ -231,21 +234,15 @@ fn an_undo_brings_the_surface_back_where_it_was() {
     let (mut window, _) = looped();
     window.tap(Key::J);
     window.tap(Key::J);
-    window.key_press(Key::G);
-    window.step();
-    window.run();
-    let (gap, state) = (shown(&window), run(&window).state.clone().expect("a state"));
+    window.go_on();
+    let (gap, state) = (shown(&window), now(&window));
     window.hit("law cosine");
     for _ in 0..200 {
         window.step();
     }
     assert!(apart(&gap, &shown(&window)) > 1e-3);
-    window.key_press_modifiers(Modifiers::COMMAND, Key::Z);
-    window.step();
-    for _ in 0..20 {
-        window.step();
-    }
-    let now = run(&window).state.clone().expect("a state");
+    window.undo();
+    let now = now(&window);
     assert_eq!(
         (now.pattern, now.control, now.energy, now.direction),
         (state.pattern, state.control, state.energy, state.direction)
@@ -276,7 +273,7 @@ fn said(window: &mut Window) -> String {
 
 #[test]
 fn the_stored_states_become_a_film_with_one_picture_each() {
-    let folder = tempfile::tempdir().unwrap();
+    let folder = folder();
     let mut window = at_rest();
     window.key_press(Key::PageDown);
     (0..60).for_each(|_| window.step());
@@ -298,11 +295,9 @@ fn the_stored_states_become_a_film_with_one_picture_each() {
 
 #[test]
 fn a_film_is_given_up_by_its_button_and_leaves_nothing() {
-    let folder = tempfile::tempdir().unwrap();
+    let folder = folder();
     let mut window = at_rest();
-    window.get_by_label("Play loop").click();
-    window.step();
-    window.rest();
+    window.play("Play loop");
     let path = folder.path().join("film.png");
     ask(&mut window, "animated", &path);
     if let Some(button) = window.query_by_label("Cancel") {
@@ -364,7 +359,7 @@ fn a_press_on_what_the_strip_foresees_shows_that_state_and_escape_the_present() 
     ] {
         let at = on_strip(&window, control, direction);
         window.click_at(at);
-        let selection = run(&window).selection.clone().expect("a state");
+        let selection = chosen(&window);
         let state = &selection.state;
         assert_eq!(selection.of, Origin::Foreseen, "nobody was there");
         assert_eq!((state.pattern, state.direction), (pattern, direction));
@@ -386,11 +381,9 @@ fn go_on_from_here_puts_the_surface_into_a_foreseen_state_and_it_goes_on_from_th
     let mut window = at_rest();
     let at = on_strip(&window, 2.0, Direction::Retraction);
     window.click_at(at);
-    let chosen = run(&window).selection.clone().expect("a state").state;
+    let chosen = chosen(&window).state;
     let gap = shown(&window);
-    window.key_press(Key::G);
-    window.step();
-    window.run();
+    window.go_on();
     let after = run(&window);
     let now = after.state.clone().expect("a state");
     assert_eq!(
@@ -412,9 +405,7 @@ fn go_on_from_here_puts_the_surface_into_a_foreseen_state_and_it_goes_on_from_th
         .iter()
         .filter(|jump| jump.direction == Direction::Retraction && jump.control > now.control);
     let ahead: Vec<_> = ahead.map(|jump| (jump.from, jump.to)).collect();
-    window.get_by_label("Play retract").click();
-    window.step();
-    window.rest();
+    window.play("Play retract");
     let jumps = run(&window).record.jumps.iter();
     assert_eq!(
         jumps.map(|jump| (jump.from, jump.to)).collect::<Vec<_>>(),
@@ -428,15 +419,12 @@ fn an_undo_brings_back_a_surface_that_was_put_into_a_foreseen_state() {
     let mut window = at_rest();
     let at = on_strip(&window, 2.0, Direction::Approach);
     window.click_at(at);
-    window.key_press(Key::G);
-    window.step();
-    window.run();
-    let before = run(&window).state.clone().expect("a state");
+    window.go_on();
+    let before = now(&window);
     window.get_by_label("law cosine").click();
     window.run_steps(200);
-    window.key_press_modifiers(Modifiers::COMMAND, Key::Z);
-    window.run_steps(20);
-    let now = run(&window).state.clone().expect("a state");
+    window.undo();
+    let now = now(&window);
     assert_eq!((now.pattern, now.energy), (before.pattern, before.energy));
 }
 
@@ -452,7 +440,7 @@ fn a_click_on_the_live_loop_in_the_plot_shows_that_state_and_a_drag_goes_along_i
         run(&window).selection.is_some().then_some(at)
     });
     let at = found.expect("the live loop is met");
-    let first = run(&window).selection.clone().expect("a state");
+    let first = chosen(&window);
     assert_eq!(
         (first.of, first.state.stop),
         (Origin::Foreseen, Stop::Stable)

@@ -2,16 +2,14 @@
 //! loop; the energy landscape: the way over the saddles, and the ball; the surface in three dimensions.
 
 use super::bench::{Asked, Bench, coarse};
-use super::hand::{Hand, Window};
-use super::reading::TABS;
-use super::stepped::opened;
+use super::hand::{Hand, Window, opened};
+use super::layout::TABS;
 use super::stored::looped;
 use egui::epaint::{ClippedShape, Mesh, Shape};
 use egui::{Rect, Role, vec2};
 use egui_kittest::kittest::{NodeT, Queryable};
 use std::sync::Arc;
 use tackscope::follow::diagram::Diagram;
-use tackscope::follow::record::Direction;
 use tackscope::numerics::cancel::Cancel;
 use tackscope::physics::theory::flat;
 use tackscope::plot::style::Colours;
@@ -42,7 +40,7 @@ fn the_stability_tab_says_the_eigenvalue_and_where_the_next_jump_is() {
     tab(&mut bench, "Stability");
     let (lower, upper) = flat::limits(&bench.model.law, bench.model.grid.length).unwrap();
     for u0 in [3.4, 3.38, 3.36] {
-        bench.reach(u0, Direction::Approach);
+        bench.down(u0);
     }
     let eigenvalue = flat::stiffness_min(&bench.model.law, bench.model.grid.length, 3.36);
     let words =
@@ -53,11 +51,11 @@ fn the_stability_tab_says_the_eigenvalue_and_where_the_next_jump_is() {
         bench.names()
     );
     for u0 in [0.3, 0.32] {
-        bench.reach(u0, Direction::Retraction);
+        bench.up(u0);
     }
     bench.says(&format!("next jump at u₀ = {lower:.4} ρ going up (exact)"));
     for u0 in [3.36, 3.38] {
-        bench.reach(u0, Direction::Retraction);
+        bench.up(u0);
     }
     bench.says("no jump foreseen going up");
 }
@@ -65,12 +63,12 @@ fn the_stability_tab_says_the_eigenvalue_and_where_the_next_jump_is() {
 #[test]
 fn the_curve_of_the_eigenvalue_is_cut_at_a_jump() {
     let mut bench = Bench::new();
-    bench.reach(3.2, Direction::Approach);
-    bench.reach(3.12, Direction::Approach);
+    bench.down(3.2);
+    bench.down(3.12);
     bench.jump(3.102);
-    bench.reach(3.102, Direction::Approach);
+    bench.down(3.102);
     let pieces: Vec<usize> = bench
-        .state()
+        .view()
         .run
         .stiffness
         .pieces
@@ -90,7 +88,7 @@ fn the_time_steps_are_measured_at_the_push_of_a_button_shown_as_they_come_and_ca
     let ((scene, turn), report) = bench.time_steps();
     assert_eq!(
         (scene.title.as_str(), turn),
-        (bench.state().scene.title.as_str(), bench.state().limits.0)
+        (bench.view().scene.title.as_str(), bench.view().limits.0)
     );
     let mut survey = Survey::new(&scene, turn).unwrap();
     while survey.map().stable.len() < 7 {
@@ -115,7 +113,7 @@ fn the_soft_mode_is_switched_onto_the_map() {
     let mut bench = Bench::new();
     tab(&mut bench, "Stability");
     bench.click("soft mode on map");
-    assert!(bench.state().view.soft_mode);
+    assert!(bench.view().view.soft_mode);
 }
 
 #[test]
@@ -160,9 +158,7 @@ fn branches_are_followed_while_somebody_looks_and_a_click_shows_an_unstable_stat
     let mut small = (*scene).clone();
     small.cell.points = Points::Square(48);
     let known = diagram(&small);
-    report.result(known.clone());
-    report.end(Ok(()));
-    bench.settle();
+    bench.answer(&report, known.clone());
     let plot = bench.place("Every branch of equilibria: 5 branches, 6 folds");
     assert!(plot.height() > 60.0);
     assert!(
@@ -181,7 +177,7 @@ fn branches_are_followed_while_somebody_looks_and_a_click_shows_an_unstable_stat
             .contains("unstable along one mode: a pass between two valleys")
     });
     assert!(found, "{}", bench.names());
-    let frame = bench.state().frame.clone().expect("a picture");
+    let frame = bench.view().frame.clone().expect("a picture");
     let of_frame = known.branches.iter().any(|branch| {
         let same = |u0: f64| u0 == frame.mean_displacement;
         branch
@@ -191,7 +187,7 @@ fn branches_are_followed_while_somebody_looks_and_a_click_shows_an_unstable_stat
     });
     assert!(of_frame && frame.state.is_none() && !frame.relaxing);
     // The words end with what they speak of.
-    bench.reach(4.0, Direction::Approach);
+    bench.down(4.0);
     bench.lacks("a pass between two valleys");
 }
 
@@ -208,7 +204,7 @@ fn an_edit_begins_the_branches_anew_and_what_is_under_way_is_dropped() {
     assert!(second.cancel.requested());
     second.end(Ok(()));
     bench.settle();
-    assert!(bench.state().plots.beneath.is_empty());
+    assert!(bench.view().plots.beneath.is_empty());
 }
 
 #[test]
@@ -220,11 +216,11 @@ fn the_branches_of_an_edited_scene_stay_until_its_own_come_and_those_of_another_
     small.cell.points = Points::Line(32);
     report.result(diagram(&small));
     report.end(Ok(()));
-    bench.reach(4.0, Direction::Approach);
+    bench.down(4.0);
     let shown = |bench: &Bench| bench.names().contains("Every branch of equilibria:");
-    assert!(shown(&bench) && !bench.state().plots.beneath.is_empty());
+    assert!(shown(&bench) && !bench.view().plots.beneath.is_empty());
     bench.click("law cosine");
-    assert!(shown(&bench) && bench.state().plots.beneath.is_empty());
+    assert!(shown(&bench) && bench.view().plots.beneath.is_empty());
     // The solver's first picture of the opened scene is there before the tab hears of the scene.
     bench.event(egui::Event::Key {
         key: egui::Key::Num2,
@@ -234,8 +230,8 @@ fn the_branches_of_an_edited_scene_stay_until_its_own_come_and_those_of_another_
         modifiers: egui::Modifiers::NONE,
     });
     bench.step();
-    assert!(bench.state().frame.is_none());
-    bench.reach(4.0, Direction::Approach);
+    assert!(bench.view().frame.is_none());
+    bench.down(4.0);
     assert!(!shown(&bench), "{}", bench.names());
 }
 
@@ -256,7 +252,7 @@ fn computed((scene, diagram, state, _): &Asked) -> Landscape {
 /// The window at rest at u0 = 3.5 with the landscape of that state.
 pub fn surveyed() -> (Bench, Landscape) {
     let mut bench = Bench::new();
-    bench.reach(3.5, Direction::Approach);
+    bench.down(3.5);
     bench.click("Landscape tab");
     bench.says("The branches come first");
     assert!(bench.landscapes().is_empty());
@@ -264,14 +260,10 @@ pub fn surveyed() -> (Bench, Landscape) {
     let mut small = (*scene).clone();
     small.cell.points = Points::Square(48);
     let diagram = Diagram::of(&small, Part::Whole, &Cancel::default(), &mut |_, _, _| {});
-    report.result(Arc::new(diagram.unwrap()));
-    report.end(Ok(()));
-    bench.settle();
+    bench.answer(&report, Arc::new(diagram.unwrap()));
     let (asked, report) = bench.landscapes().pop().expect("then the landscape");
     let found = computed(&asked);
-    report.result(Arc::new(found.clone()));
-    report.end(Ok(()));
-    bench.settle();
+    bench.answer(&report, Arc::new(found.clone()));
     (bench, found)
 }
 
@@ -286,18 +278,18 @@ fn the_landscape_says_the_lowest_barrier_and_follows_the_surface() {
     bench.says(&words);
     bench.settle();
     assert!(bench.landscapes().is_empty(), "nothing has moved");
-    bench.reach(3.4, Direction::Approach);
+    bench.down(3.4);
     let (asked, _) = bench.landscapes().pop().expect("it has moved");
     assert_eq!(asked.2.control, 3.4);
     bench.click("Events tab");
-    bench.reach(3.3, Direction::Approach);
+    bench.down(3.3);
     assert!(bench.landscapes().is_empty(), "nobody looks");
 }
 
 #[test]
 fn the_place_under_the_pointer_is_pictured_until_it_leaves() {
     let (mut bench, found) = surveyed();
-    let before = bench.state().frame.clone().expect("a picture");
+    let before = bench.view().frame.clone().expect("a picture");
     let path = &found.passes[0].path;
     // A square plot with margins: somewhere across it lies the path.
     let plots = bench.query_all_by_label_contains("Landscape: The lowest");
@@ -307,27 +299,27 @@ fn the_place_under_the_pointer_is_pictured_until_it_leaves() {
     let shown = places.into_iter().find_map(|place| {
         bench.hover_at(plot.lerp_inside(place));
         bench.settle();
-        let frame = bench.state().frame.clone().expect("a picture");
+        let frame = bench.view().frame.clone().expect("a picture");
         (!Arc::ptr_eq(&frame, &before)).then_some(frame)
     });
     let shown = shown.expect("a place of the path");
     assert!(path.iter().any(|place| Arc::ptr_eq(&place.gap, &shown.gap)));
     bench.hover_at(egui::pos2(2.0, 2.0));
     bench.settle();
-    let frame = bench.state().frame.clone().expect("a picture");
+    let frame = bench.view().frame.clone().expect("a picture");
     assert!(Arc::ptr_eq(&frame, &before));
 }
 
 #[test]
 fn after_a_jump_the_ball_rolls_down_the_path_of_the_state_that_gave_way() {
     let (mut bench, _) = surveyed();
-    bench.reach(3.103, Direction::Approach);
+    bench.down(3.103);
     let (asked, report) = bench.landscapes().pop().expect("of what gives way");
     assert_eq!(asked.2.control, 3.103);
     bench.jump(3.103);
     report.result(Arc::new(computed(&asked)));
     report.end(Ok(()));
-    bench.reach(3.0, Direction::Approach);
+    bench.down(3.0);
     let gone = |bench: &Bench| bench.names().contains("The barrier is gone");
     assert!(
         gone(&bench) && bench.landscapes().is_empty(),

@@ -6,7 +6,7 @@ use crate::physics::parameter::Dimension;
 use crate::ui::action::Action;
 use crate::ui::theme;
 use crate::ui::view_state::ViewState;
-use crate::ui::widgets::named;
+use crate::ui::widgets::{Asks, named};
 use crate::ui::words::explain;
 use egui::{RichText, ScrollArea, Ui};
 
@@ -78,11 +78,7 @@ fn show(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {
         return;
     }
     let palette = theme::palette(ui);
-    let selected = state
-        .run
-        .selection
-        .as_ref()
-        .and_then(|selection| selection.jump);
+    let selected = state.run.selected_jump();
     let marked = selected.map(|index| jumps.len() - index);
     let colour = ui.visuals().selection.bg_fill.gamma_multiply(0.55);
     let faint = ui.visuals().faint_bg_color;
@@ -126,12 +122,9 @@ fn show(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {
                             selected == Some(index),
                             length.number(jump.mean_displacement / state.rho(), 3),
                         );
-                        if place
+                        place
                             .on_hover_text("the numbers of the state after it (J, K)")
-                            .clicked()
-                        {
-                            actions.push(Action::SelectJump(index));
-                        }
+                            .asks(actions, Action::SelectJump(index));
                         ui.label(jump.change()).on_hover_text(state.say_jump(jump));
                         ui.label(energy.number(jump.released_energy, 4));
                         // A narrow list is cut at its right: first what is unusual.

@@ -7,7 +7,7 @@ use crate::ui::action::{Action, KeepFrom, KeptAct, Scales, ViewOptions};
 use crate::ui::diagram::dash;
 use crate::ui::theme;
 use crate::ui::view_state::{Kept, ViewState};
-use crate::ui::widgets::{checkbox, choosable, named};
+use crate::ui::widgets::{Asks, at_right, checkbox, choosable, named};
 use crate::ui::words::explain;
 use egui::{Label, RichText, ScrollArea, TextEdit, Ui, WidgetInfo};
 
@@ -29,18 +29,16 @@ impl Tab for KeptTab {
                 ("walked", KeepFrom::Walked, "Keep what was walked"),
                 ("live loop", KeepFrom::Live, "Keep the live loop"),
             ] {
-                if named(ui.small_button(face), what).clicked() {
-                    actions.push(Action::Keep(from));
-                }
+                named(ui.small_button(face), what).asks(actions, Action::Keep(from));
             }
             let before = named(
                 ui.small_button("A | B before the edit"),
                 "Compare with the scene before the last edit",
             );
             let words = "puts the scene before the last edit beside this one, at the same u₀";
-            if before.on_hover_text(words).clicked() {
-                actions.push(Action::CompareWithBefore);
-            }
+            before
+                .on_hover_text(words)
+                .asks(actions, Action::CompareWithBefore);
             let mut absolute = state.view.scales == Scales::Absolute;
             let words = "all loops in the same lengths and stresses; else each in the range and \
                 the largest traction of its own law";
@@ -66,9 +64,8 @@ impl Tab for KeptTab {
         let kept = &state.plots.kept;
         if let Some(deleted) = &kept.deleted {
             ui.horizontal(|ui| {
-                if named(ui.small_button("Bring back"), "Bring the deleted loop back").clicked() {
-                    actions.push(Action::BringKeptBack);
-                }
+                named(ui.small_button("Bring back"), "Bring the deleted loop back")
+                    .asks(actions, Action::BringKeptBack);
                 let words = format!("“{}” is deleted", deleted.name);
                 ui.add(Label::new(RichText::new(words).small()).truncate());
             });
@@ -103,7 +100,7 @@ fn row(ui: &mut Ui, state: &ViewState, kept: &Kept, actions: &mut Vec<Action>) {
         if tick.on_hover_text("on the plot or off it").changed() {
             act(KeptAct::Hide);
         }
-        ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
+        at_right(ui, |ui| {
             for (face, doing, done) in [
                 ("✖", "Delete", KeptAct::Delete),
                 ("Open", "Open the scene of", KeptAct::Restore),

@@ -15,7 +15,6 @@ use crate::solver::Lost;
 use crate::study::landscape::{BEFORE, Ground, Landscape, Standing};
 use crate::ui::action::Action;
 use crate::ui::diagram;
-use crate::ui::machine::told;
 use crate::ui::view_state::ViewState;
 use crate::ui::widgets::{described, progress};
 use crate::worker::job::{Job, Reporter};
@@ -199,7 +198,7 @@ fn compute(
 impl LandscapeTab {
     /// The ways over the barriers, and how high these are along the drive.
     fn diagrams(&self, landscape: &Landscape, state: &ViewState) -> [Panel; 2] {
-        let told = told(state);
+        let told = state.told();
         let label = match state.model.units {
             None => format!("{} /{}", told.symbol, told.suffix),
             Some(_) => format!("{} ({})", told.symbol, told.suffix.trim()),

@@ -1,8 +1,7 @@
 //! The surface of the body in three dimensions over the ground, turned by a drag.
 
 use super::{Tab, Title};
-use crate::physics::indenter::Indenter;
-use crate::physics::pattern::{rolled, shift_to_middle};
+use crate::physics::pattern::rolled;
 use crate::plot::scale;
 use crate::ui::action::Action;
 use crate::ui::gap_picture;
@@ -204,7 +203,7 @@ const TURNS: [(&str, [f32; 2]); 4] = [
 impl Relief {
     /// Takes the picture that map and profile show.
     fn take(&mut self, state: &ViewState) {
-        let centred = state.view.centred && state.model.indenter == Indenter::Flat;
+        let centred = state.view.centred;
         let Some(frame) = state.pictured() else {
             self.shown = None;
             return;
@@ -214,11 +213,7 @@ impl Relief {
             return;
         }
         let island = gap_picture::island(frame, state.model.law.contact_gap(), None);
-        let (dy, dx) = if centred {
-            shift_to_middle(&frame.gap, island)
-        } else {
-            (0, 0)
-        };
+        let (dy, dx) = gap_picture::roll(&state.view, &state.model, &frame.gap, island);
         self.shown = Some(Shown {
             frame: frame.clone(),
             centred,

@@ -12,8 +12,7 @@ use crate::study::forecast::{Forecast, forecast};
 use crate::study::time_step_map::TimeStepMap;
 use crate::ui::action::{Action, ViewOptions};
 use crate::ui::diagram;
-use crate::ui::machine::{self, Told};
-use crate::ui::view_state::ViewState;
+use crate::ui::view_state::{Told, ViewState};
 use crate::ui::widgets::{checkbox, described, progress, radio_value};
 use crate::ui::words::explain;
 use crate::worker::background;
@@ -199,7 +198,7 @@ fn foreseen(state: &ViewState, ahead: Option<&Forecast>) -> String {
         suffix,
         unit,
         ..
-    } = machine::told(state);
+    } = state.told();
     let way = match state.run.direction {
         Direction::Approach => "down",
         Direction::Retraction => "up",

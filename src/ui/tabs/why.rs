@@ -4,7 +4,6 @@
 use super::{Tab, Title, Update};
 use crate::follow::record::JumpRecord;
 use crate::lessons::Hidden;
-use crate::physics::indenter::Indenter;
 use crate::physics::parameter::Dimension;
 use crate::plot::scale;
 use crate::plot::style::Colours;
@@ -15,12 +14,12 @@ use crate::ui::action::Action;
 use crate::ui::gap_picture::{self, GapPicture};
 use crate::ui::theme;
 use crate::ui::view_state::ViewState;
-use crate::ui::widgets::{described, named};
+use crate::ui::widgets::{Asks, described, named};
 use crate::ui::words;
 use crate::worker::protocol::{Film, Frame, RunId};
 use egui::{
-    Align2, Color32, Context, FontId, Rect, RichText, ScrollArea, Sense, Shape, Slider, Stroke,
-    StrokeKind, TextStyle, TextureHandle, Ui, WidgetInfo, pos2, vec2,
+    Align2, Context, FontId, Rect, RichText, ScrollArea, Sense, Slider, Stroke, StrokeKind,
+    TextStyle, TextureHandle, Ui, WidgetInfo, vec2,
 };
 use std::sync::Arc;
 use std::time::Duration;
@@ -67,8 +66,8 @@ struct Map {
     name: &'static str,
     shows: String,
     texture: TextureHandle,
-    /// The edge of the contact, in shares of the map from its lower left corner.
-    contour: Vec<Vec<[f32; 2]>>,
+    /// Whose contact has its edge drawn.
+    picture: Option<GapPicture>,
 }
 
 /// A film that is looked at again.
@@ -206,14 +205,10 @@ impl Told {
         let maps = film.as_ref().map_or_else(Vec::new, |film| {
             let contact = state.model.law.contact_gap();
             let top = scale::gap_scale(scene, &state.model);
-            let centred = drawn.0 && state.model.indenter == Indenter::Flat;
             let picture = |frame: &Frame, before| {
                 let island = gap_picture::island(frame, contact, before);
-                if centred {
-                    GapPicture::centred(&frame.gap, contact, island)
-                } else {
-                    GapPicture::new(&frame.gap, contact, island)
-                }
+                let roll = gap_picture::roll(&state.view, &state.model, &frame.gap, island);
+                GapPicture::new(&frame.gap, contact, island, roll)
             };
             let before = picture(&film.before, None);
             let after = picture(&film.after, Some(before.island));
@@ -222,7 +217,7 @@ impl Told {
                 name,
                 shows,
                 texture: ctx.load_texture(name, image, options),
-                contour: picture.map_or_else(Vec::new, shares),
+                picture: picture.cloned(),
             };
             let from = format!("Gap before the jump: {}", jump.from.words());
             let first = map("before", from, before.image(top, drawn.2), Some(&before));
@@ -247,14 +242,6 @@ impl Told {
             maps,
         }
     }
-}
-
-/// The contact lines of a picture in shares of the map.
-fn shares(picture: &GapPicture) -> Vec<Vec<[f32; 2]>> {
-    let (ny, nx) = picture.gap.dim();
-    let share = |p: &[f32; 2]| [p[0] / nx as f32, p[1] / ny as f32];
-    let lines = picture.contour.iter();
-    lines.map(|line| line.iter().map(share).collect()).collect()
 }
 
 /// What happened.
@@ -304,23 +291,11 @@ fn small_map(ui: &mut Ui, map: &Map, side: f32) {
     let square = Rect::from_min_size(corner, vec2(side, side));
     let response = ui.interact(area, egui::Id::unique(("why", map.name)), Sense::hover());
     described(&response, &map.shows);
-    let painter = ui
-        .painter()
-        .with_clip_rect(square.intersect(ui.clip_rect()));
-    let whole = Rect::from_min_max(pos2(0.0, 0.0), pos2(1.0, 1.0));
-    painter.image(map.texture.id(), square, whole, Color32::WHITE);
-    let place = |p: &[f32; 2]| {
-        pos2(
-            square.left() + p[0] * square.width(),
-            square.bottom() - p[1] * square.height(),
-        )
-    };
-    for line in &map.contour {
-        let line = line.iter().map(place).collect();
-        painter.add(Shape::line(line, Stroke::new(1.2, Color32::WHITE)));
-    }
+    let on = (square, 1.2);
+    gap_picture::draw(ui, &map.texture, on, map.picture.as_ref());
     let edge = ui.visuals().widgets.noninteractive.bg_stroke;
-    painter.rect_stroke(square, 0.0, edge, StrokeKind::Inside);
+    ui.painter()
+        .rect_stroke(square, 0.0, edge, StrokeKind::Inside);
     ui.painter().text(
         area.left_top(),
         Align2::LEFT_TOP,
@@ -355,19 +330,13 @@ fn more(ui: &mut Ui, state: &ViewState, told: &Told, actions: &mut Vec<Action>) 
     let sentence = format!("{this} of {all} gamma released so far");
     described(&response, &sentence);
     let stiffness = ui.button(RichText::new("Show the stiffness").small());
-    if stiffness
+    stiffness
         .on_hover_text("how it fell to zero: the tab Stability")
-        .clicked()
-    {
-        actions.push(Action::OpenTab("Stability"));
-    }
+        .asks(actions, Action::OpenTab("Stability"));
     let branches = ui.button(RichText::new("What could it do instead?").small());
-    if branches
+    branches
         .on_hover_text("every state of equilibrium, stable or not: the tab Branches")
-        .clicked()
-    {
-        actions.push(Action::OpenTab("Branches"));
-    }
+        .asks(actions, Action::OpenTab("Branches"));
 }
 
 /// The film of the jump, played or moved by hand.

@@ -80,9 +80,7 @@ impl ViewState {
     }
 
     fn live_state(&self) -> Option<&Arc<LiveState>> {
-        let live = self.plots.live.as_ref();
-        // That of an edited scene comes a moment later.
-        let live = live.filter(|live| live.run == self.run.id && !self.hides(Hidden::Forecast));
+        let live = self.own_live().filter(|_| !self.hides(Hidden::Forecast));
         live.map(|live| &live.state)
     }
 
@@ -281,9 +279,10 @@ impl ViewState {
     /// What both scenes lose, in words; `None` while one of them is not known.
     pub fn losses_in_words(&self) -> Option<String> {
         let (_, kept) = self.beside()?;
-        let closed = self.run.closed_loop.as_ref();
-        let walked = closed.and_then(|closed| closed.summary.ledger.dissipated_energy());
-        let a = walked.or(self.live().map(|live| live.dissipated_energy))?;
+        let a = self
+            .run
+            .loss()
+            .or(self.live().map(|live| live.dissipated_energy))?;
         let b = kept.loss?;
         let energies = [self.model.law.surface_energy, kept.model.law.surface_energy];
         let ([a, b], unit) = match self.view.scales {

@@ -3,7 +3,7 @@
 
 use super::ViewState;
 use crate::follow::record::{Direction, JumpRecord, StateRecord};
-use crate::lessons::{self, Facts, Hidden, Lesson, Progress, Question};
+use crate::lessons::{self, Facts, Hidden, Lesson, Progress, Question, Step};
 use crate::physics::indenter::Indenter;
 use crate::study::why::calm;
 use crate::ui::action::LessonAct;
@@ -24,6 +24,12 @@ impl ViewState {
         Some((lessons::find(&progress.lesson)?, progress))
     }
 
+    /// Its step.
+    fn lesson_step(&self) -> Option<&'static Step> {
+        let (lesson, progress) = self.lesson()?;
+        progress.step(lesson)
+    }
+
     /// The question that waits, and the answer that is chosen.
     pub fn asked(&self) -> Option<(&'static Question, Option<f64>)> {
         let (lesson, progress) = self.lesson()?;
@@ -37,10 +43,8 @@ impl ViewState {
     }
 
     fn lesson_hides(&self, what: Hidden) -> bool {
-        let step = self
-            .lesson()
-            .and_then(|(lesson, progress)| progress.step(lesson));
-        step.is_some_and(|step| step.hide.contains(&what))
+        self.lesson_step()
+            .is_some_and(|step| step.hide.contains(&what))
     }
 
     /// True if kept loops, and the scene beside, would tell what a lesson asks.
@@ -48,14 +52,19 @@ impl ViewState {
         self.lesson_hides(Hidden::Forecast)
     }
 
+    /// Between which values u0 can be guessed (ranges).
+    pub fn guessable(&self) -> [f64; 2] {
+        let ([left, _], [right, _]) = self.axes();
+        [left.max(0.0), right]
+    }
+
     /// What a lesson knows of the model.
     fn facts(&self) -> Facts<'_> {
-        let closed = self.run.closed_loop.as_ref();
         Facts {
             scene: &self.scene,
             model: &self.model,
             record: &self.run.record,
-            loss: closed.and_then(|closed| closed.summary.ledger.dissipated_energy()),
+            loss: self.run.loss(),
         }
     }
 
@@ -88,13 +97,11 @@ impl ViewState {
     }
 
     fn begin_step(&self) -> Begin {
-        let step = self
-            .lesson()
-            .and_then(|(lesson, progress)| progress.step(lesson));
-        step.map_or_else(Begin::default, |step| Begin {
-            scene: step.scene.as_deref(),
-            tab: step.tab.as_deref(),
-        })
+        self.lesson_step()
+            .map_or_else(Begin::default, |step| Begin {
+                scene: step.scene.as_deref(),
+                tab: step.tab.as_deref(),
+            })
     }
 
     /// Takes a lesson up again where it was left.

@@ -1,20 +1,25 @@
 //! What the diagrams show beside the present run, and their axes: the live loop, earlier loops,
-//! those that are kept, theory.
+//! theory; and the loops that are kept, to compare others with them (another law, another mesh,
+//! another machine): a list with names and looks.
 
-use super::{KeptLoops, ViewState};
+use super::ViewState;
 use crate::follow::diagram::Diagram;
 use crate::paper::overlay::ZeroRange;
+use crate::physics::control::Control;
 use crate::physics::parameter::Dimension;
 use crate::physics::pattern::Pattern;
 use crate::plot::curve::Curve;
 use crate::plot::loop_panel::place;
-use crate::plot::panel::Series;
+use crate::plot::panel::{Colour, Dash, Role, Series};
 use crate::plot::scale;
-use crate::scene::Model;
-use crate::scene::window;
+use crate::scene::units::fixed;
+use crate::scene::{Model, Scene, window};
+use crate::storage::scene_file;
 use crate::study::landscape::Standing;
 use crate::study::live_loop::Sample;
+use crate::ui::action::{KeepFrom, KeptAct, Scales};
 use crate::worker::protocol::{LiveState, RunId, Stored};
+use serde::{Deserialize, Serialize};
 use std::collections::VecDeque;
 use std::sync::Arc;
 
@@ -33,7 +38,7 @@ pub struct Ghost {
 }
 
 /// What the diagrams show beside the present run.
-#[derive(Debug)]
+#[derive(Debug, Default)]
 pub struct Plots {
     /// The live loop.
     pub live: Option<LiveView>,
@@ -64,25 +69,6 @@ pub struct Plots {
 }
 
 impl Plots {
-    /// Nothing but the flat state.
-    pub(super) fn new(flat_state: Vec<Series>) -> Self {
-        Self {
-            live: None,
-            ghosts: VecDeque::new(),
-            kept: KeptLoops::default(),
-            flat_state,
-            fit: None,
-            beneath: Vec::new(),
-            preview: None,
-            branches: None,
-            wants_branches: false,
-            barrier: None,
-            guesses: Vec::new(),
-            overlay: false,
-            theory: None,
-        }
-    }
-
     /// One more guess of u0 (ranges); the oldest goes.
     pub fn guess(&mut self, u0: f64) {
         self.guesses.insert(0, u0);
@@ -219,14 +205,333 @@ impl ViewState {
         }
     }
 
+    /// What the machine allows at the present value of the control: stress = k (w - u0) under a spring,
+    /// stress = F under a load; from one side of the plot to the other.
+    pub fn machine_line(&self, [left, right]: [f64; 2]) -> Option<Series> {
+        let (control, law) = (self.scene.control(), &self.model.law);
+        let value = self.run.state.as_ref()?.control;
+        let stress = |u0: f64| match control {
+            Control::Displacement => None,
+            Control::Spring { stiffness } => Some(stiffness * (value - u0)),
+            Control::Load => Some(value),
+        };
+        let points = [left, right].map(|x| Some([x, stress(x * law.range)? / law.traction_max()]));
+        let points: Vec<[f64; 2]> = points.into_iter().flatten().collect();
+        (!points.is_empty()).then(|| Series::line("machine", Role::Theory, Colour::MACHINE, points))
+    }
+
+    /// The live loop of this very scene: that of an edited one comes a moment later.
+    pub(super) fn own_live(&self) -> Option<&LiveView> {
+        let live = self.plots.live.as_ref();
+        live.filter(|live| live.run == self.run.id)
+    }
+
     /// Where the surface will stand at the target, read off the live loop of this very scene.
     pub fn foreseen(&self) -> Option<(Pattern, Sample)> {
-        let live = self.plots.live.as_ref();
-        let live = live.filter(|live| live.run == self.run.id)?;
         if self.target == self.run.actual {
             return None;
         }
-        let found = live.state.found.as_ref().ok()?;
+        let found = self.own_live()?.state.found.as_ref().ok()?;
         found.reading(self.run.state.as_ref()?, self.target)
+    }
+}
+
+/// Most loops that are kept: more cannot be told apart.
+const MOST: usize = 8;
+/// Their colours and dashes, each by turns, so that the first twelve differ.
+const COLOURS: [Colour; 4] = [Colour::Purple, Colour::Green, Colour::Red, Colour::Gold];
+const DASHES: [Dash; 3] = [Dash::Solid, Dash::Long, Dash::Dotted];
+
+/// A loop that is kept.
+#[derive(Clone, Debug)]
+pub struct Kept {
+    /// Its number, by which it is known.
+    pub id: usize,
+    /// Its name.
+    pub name: String,
+    /// Its scene.
+    pub scene: Arc<Scene>,
+    /// What that was decided to be.
+    pub model: Model,
+    /// Its pieces in u0 (length) and stress (E*).
+    pub lines: Vec<Vec<[f64; 2]>>,
+    /// What it loses (gamma), if it is closed.
+    pub loss: Option<f64>,
+    /// How many jumps it has.
+    pub jumps: usize,
+    /// The live loop of its scene, if that is known; it was kept of it where `is_walked` is false.
+    pub live: Option<Arc<LiveState>>,
+    /// It is what was walked.
+    pub is_walked: bool,
+    /// It is not drawn.
+    pub is_hidden: bool,
+}
+
+impl Kept {
+    /// Its look.
+    pub fn look(&self) -> (Colour, Dash) {
+        let id = self.id;
+        (COLOURS[id % COLOURS.len()], DASHES[id % DASHES.len()])
+    }
+
+    /// Its natural units: the range, and the largest traction.
+    pub fn natural(&self) -> [f64; 2] {
+        [self.model.law.range, self.model.law.traction_max()]
+    }
+
+    /// Takes over what a live loop tells of its scene.
+    pub fn foretold(&mut self, live: Arc<LiveState>) {
+        if let (Ok(found), true) = (&live.found, self.lines.is_empty()) {
+            self.lines = found.legs.iter().map(|leg| found.points_of(leg)).collect();
+            (self.loss, self.jumps) = (Some(found.dissipated_energy), found.jumps.len());
+        }
+        self.live = Some(live);
+    }
+
+    /// What it is, in few words.
+    pub fn words(&self) -> String {
+        let Model { grid, law, .. } = &self.model;
+        let loss = self.loss.map(|loss| format!(", lost {} γ", fixed(loss, 4)));
+        format!(
+            "{}, {}, n = {}, {}{}, {} jumps",
+            if self.is_walked {
+                "walked"
+            } else {
+                "live loop"
+            },
+            law.shape.word().replace('_', " "),
+            grid.nx,
+            match self.scene.drive.control.word() {
+                "displacement" => "stiff machine",
+                word => word,
+            },
+            loss.unwrap_or_default(),
+            self.jumps
+        )
+    }
+}
+
+/// The kept loops, in the order in which they came.
+#[derive(Debug, Default)]
+pub struct KeptLoops {
+    /// They.
+    pub list: Vec<Kept>,
+    /// The one that was deleted last.
+    pub deleted: Option<Kept>,
+    /// How many there have been.
+    count: usize,
+}
+
+/// A kept loop in a session file.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct SavedLoop {
+    name: String,
+    /// The scene file.
+    scene: String,
+    lines: Vec<Vec<[f64; 2]>>,
+    loss: Option<f64>,
+    jumps: usize,
+    is_walked: bool,
+    is_hidden: bool,
+}
+
+impl SavedLoop {
+    fn of(kept: &Kept) -> Self {
+        Self {
+            name: kept.name.clone(),
+            scene: scene_file::to_text(&kept.scene),
+            lines: kept.lines.clone(),
+            loss: kept.loss,
+            jumps: kept.jumps,
+            is_walked: kept.is_walked,
+            is_hidden: kept.is_hidden,
+        }
+    }
+
+    /// Under this number; `None` if its scene is not allowed any more, as without its height file.
+    fn kept(self, id: usize) -> Option<Kept> {
+        let scene = scene_file::parse(&self.scene, &self.name).ok()?;
+        Some(Kept {
+            id,
+            name: self.name,
+            model: scene.model().ok()?,
+            scene: Arc::new(scene),
+            lines: self.lines,
+            loss: self.loss,
+            jumps: self.jumps,
+            live: None,
+            is_walked: self.is_walked,
+            is_hidden: self.is_hidden,
+        })
+    }
+}
+
+impl KeptLoops {
+    /// All of them for a session file.
+    pub(super) fn saved(&self) -> Vec<SavedLoop> {
+        self.list.iter().map(SavedLoop::of).collect()
+    }
+
+    /// Those of a session file.
+    pub(super) fn new(saved: Vec<SavedLoop>) -> Self {
+        let loops = saved.into_iter().take(MOST).enumerate();
+        let list: Vec<Kept> = loops.filter_map(|(id, saved)| saved.kept(id)).collect();
+        Self {
+            count: MOST.max(list.len()),
+            list,
+            deleted: None,
+        }
+    }
+
+    /// The one of this number.
+    pub fn get(&self, id: usize) -> Option<&Kept> {
+        self.list.iter().find(|kept| kept.id == id)
+    }
+
+    pub(super) fn get_mut(&mut self, id: usize) -> Option<&mut Kept> {
+        self.list.iter_mut().find(|kept| kept.id == id)
+    }
+
+    /// Those that are drawn.
+    pub fn drawn(&self) -> impl Iterator<Item = &Kept> {
+        self.list.iter().filter(|kept| !kept.is_hidden)
+    }
+
+    /// A name that none of them has.
+    fn unlike(&self, name: &str) -> String {
+        let is_free = |name: &String| self.list.iter().all(|kept| kept.name != *name);
+        let numbered = (2..).map(|k| format!("{name} ({k})"));
+        let mut names = std::iter::once(name.to_owned()).chain(numbered);
+        names.find(is_free).unwrap_or_default()
+    }
+}
+
+impl ViewState {
+    /// The u0 and the stress that are 1 where a kept loop is drawn: its own natural units, or those
+    /// of the present law.
+    pub fn units_of(&self, kept: &Kept) -> [f64; 2] {
+        match self.view.scales {
+            Scales::Own => kept.natural(),
+            Scales::Absolute => [self.rho(), self.model.law.traction_max()],
+        }
+    }
+
+    /// A kept loop as it is drawn.
+    pub fn lines_of(&self, kept: &Kept) -> Vec<Vec<[f64; 2]>> {
+        let [u0, stress] = self.units_of(kept);
+        let scaled =
+            |line: &Vec<[f64; 2]>| line.iter().map(|p| [p[0] / u0, p[1] / stress]).collect();
+        kept.lines.iter().map(scaled).collect()
+    }
+
+    /// Keeps a loop.
+    pub fn keep(&mut self, from: KeepFrom) {
+        let live = self.own_live().map(|live| live.state.clone());
+        let live = live.filter(|live| live.found.is_ok());
+        let walked = self.run.curve.points().nth(2).is_some();
+        let from = match from {
+            // A closed loop goes before what is foreseen, which goes before a piece of one.
+            KeepFrom::Best if self.run.closed_loop.is_some() || live.is_none() => KeepFrom::Walked,
+            KeepFrom::Best => KeepFrom::Live,
+            from => from,
+        };
+        if self.plots.kept.list.len() >= MOST {
+            let words = format!("{MOST} loops are kept: delete one of them first");
+            self.messages.notice = Some(words);
+            return;
+        }
+        let mut kept = self.unnamed(self.scene.clone(), self.model.clone());
+        match (from, live) {
+            (KeepFrom::Walked, live) if walked => {
+                let own = kept.natural();
+                let lines = self.run.curve.pieces.iter().map(|piece| {
+                    let points = piece.points.iter();
+                    points.map(|p| [p[0] * own[0], p[1] * own[1]]).collect()
+                });
+                kept.lines = lines.collect();
+                kept.loss = self.run.loss();
+                kept.jumps = self.run.record.jumps.len();
+                (kept.live, kept.is_walked) = (live, true);
+            }
+            (KeepFrom::Live, Some(live)) => kept.foretold(live),
+            (KeepFrom::Live, None) => {
+                self.messages.notice = Some("there is no live loop of this scene".to_owned());
+                return;
+            }
+            _ => {
+                self.messages.notice = Some("no loop to keep yet: play one first".to_owned());
+                return;
+            }
+        }
+        let words = format!("“{}” stays on the plot; see the tab Loops", kept.name);
+        self.messages.notice = Some(words);
+        self.add_kept(kept);
+    }
+
+    /// Keeps the scene before the last edit, and puts it beside this one.
+    pub fn compare_with_before(&mut self) {
+        let Some(scene) = self.history.before().cloned() else {
+            self.messages.notice = Some("no scene came before this one".to_owned());
+            return;
+        };
+        let known = |kept: &&Kept| kept.scene == scene;
+        if let Some(id) = self.plots.kept.list.iter().find(known).map(|kept| kept.id) {
+            return self.act_on_kept(id, KeptAct::Beside);
+        }
+        if let Ok(model) = scene.model() {
+            let kept = self.unnamed(scene, model);
+            let id = kept.id;
+            self.add_kept(kept);
+            self.act_on_kept(id, KeptAct::Beside);
+        }
+    }
+
+    fn unnamed(&self, scene: Arc<Scene>, model: Model) -> Kept {
+        Kept {
+            id: self.plots.kept.count,
+            name: self.plots.kept.unlike(&scene.title),
+            scene,
+            model,
+            lines: Vec::new(),
+            loss: None,
+            jumps: 0,
+            live: None,
+            is_walked: false,
+            is_hidden: false,
+        }
+    }
+
+    fn add_kept(&mut self, kept: Kept) {
+        self.plots.kept.count += 1;
+        self.plots.kept.list.push(kept);
+    }
+
+    /// Does something with a kept loop.
+    pub fn act_on_kept(&mut self, id: usize, act: KeptAct) {
+        let Some(index) = self.plots.kept.list.iter().position(|kept| kept.id == id) else {
+            return;
+        };
+        let kept = &mut self.plots.kept.list[index];
+        match act {
+            KeptAct::Rename(name) => kept.name = name,
+            KeptAct::Hide => kept.is_hidden = !kept.is_hidden,
+            KeptAct::Restore => {
+                let scene = (*kept.scene).clone();
+                self.open_scene(scene);
+            }
+            KeptAct::Delete => {
+                self.plots.kept.deleted = Some(self.plots.kept.list.remove(index));
+            }
+            KeptAct::Beside => self.put_beside(id),
+        }
+    }
+
+    /// Brings the loop back that was deleted last.
+    pub fn bring_kept_back(&mut self) {
+        let list = &mut self.plots.kept;
+        if let Some(kept) = list.deleted.take() {
+            let index = list.list.partition_point(|other| other.id < kept.id);
+            list.list.insert(index, kept);
+        }
     }
 }

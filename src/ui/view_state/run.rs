@@ -5,9 +5,12 @@ use super::foresight::{Ahead, UPON};
 use super::{Films, Foresight, Store, ViewState};
 use crate::follow::record::{Direction, JumpRecord, LoopRecord, StateRecord};
 use crate::follow::walk::Push;
+use crate::physics::control::Control;
+use crate::physics::parameter::Dimension;
 use crate::plot::curve::Curve;
 use crate::plot::panel::Area;
 use crate::scene::Scene;
+use crate::scene::units::Unit;
 use crate::study::landscape::Standing;
 use crate::ui::action::Pick;
 use crate::worker::protocol::{Frame, LoopSummary, Motion, Play, Ready, RunId, Stored, Sweep};
@@ -131,6 +134,17 @@ impl RunView {
         run
     }
 
+    /// What the last closed loop lost (gamma), if that is known.
+    pub fn loss(&self) -> Option<f64> {
+        let closed = self.closed_loop.as_ref()?;
+        closed.summary.ledger.dissipated_energy()
+    }
+
+    /// The jump that led to the state somebody looks at, or away from it.
+    pub fn selected_jump(&self) -> Option<usize> {
+        self.selection.as_ref()?.jump
+    }
+
     /// True while the solver has something to do.
     pub fn is_busy(&self) -> bool {
         self.play != Play::Rest
@@ -241,6 +255,55 @@ impl ViewState {
     }
 }
 
+/// In what the control is told.
+#[derive(Clone, Debug)]
+pub struct Told {
+    /// Its name.
+    pub name: &'static str,
+    /// Its letter.
+    pub symbol: &'static str,
+    /// What stands behind its numbers.
+    pub suffix: String,
+    /// What is 1 (length; E* of a load).
+    pub unit: f64,
+    /// That beside the natural unit.
+    pub measure: Unit,
+}
+
+impl Told {
+    /// A value with its unit, in as fine steps as with so many `decimals` of natural units.
+    pub fn say(&self, value: f64, decimals: usize) -> String {
+        let natural = value / self.unit / self.measure.scale;
+        self.measure.number(natural, decimals) + &self.suffix
+    }
+}
+
+impl ViewState {
+    /// In what the control of this scene is told.
+    pub fn told(&self) -> Told {
+        let law = &self.model.law;
+        let name = match self.scene.control() {
+            Control::Displacement => "Mean displacement",
+            Control::Spring { .. } => "Stage",
+            Control::Load => "Load",
+        };
+        let (of, natural, one) = if self.scene.control() == Control::Load {
+            (Dimension::Stress, "σₘₐₓ", law.traction_max())
+        } else {
+            (Dimension::Length, "ρ", law.range)
+        };
+        let measure = self.model.unit(of);
+        let (suffix, unit) = (format!(" {}", measure.name(natural)), one / measure.scale);
+        Told {
+            name,
+            symbol: self.scene.control().symbol(),
+            suffix,
+            unit,
+            measure,
+        }
+    }
+}
+
 /// Which stored state is looked at.
 impl ViewState {
     /// Looks at the state that is drawn nearest to (u0/rho, stress/sigma_max), walked or foreseen:
@@ -334,12 +397,7 @@ impl ViewState {
     /// back the last.
     pub fn step_jump(&mut self, by: isize) {
         let last = self.run.record.jumps.len().saturating_sub(1);
-        let present = self
-            .run
-            .selection
-            .as_ref()
-            .and_then(|selection| selection.jump);
-        self.select_jump(match present {
+        self.select_jump(match self.run.selected_jump() {
             None if by < 0 => last,
             None => 0,
             Some(i) => i.saturating_add_signed(by).min(last),

@@ -1,7 +1,7 @@
 //! Ways back. What a session file keeps of the window beside the scene, and how it is taken up again;
 //! undo and redo: the scenes before and after the present one, and where their surfaces were.
 
-use super::kept::SavedLoop;
+use super::plots::SavedLoop;
 use super::{Curve, Films, KeptLoops, Store, ViewState};
 use crate::follow::record::LoopRecord;
 use crate::scene::part::Strategy;

@@ -278,11 +278,7 @@ impl ViewState {
 
     /// The jump that is explained: the one that is looked at, or the newest.
     pub fn told_jump(&self) -> Option<usize> {
-        let selected = self
-            .run
-            .selection
-            .as_ref()
-            .and_then(|selection| selection.jump);
+        let selected = self.run.selected_jump();
         selected.or_else(|| self.run.record.jumps.len().checked_sub(1))
     }
 }
