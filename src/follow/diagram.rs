@@ -22,7 +22,7 @@ use crate::physics::parameter::Refusal;
 use crate::physics::pattern::{Pattern, classify};
 use crate::physics::system::{Evaluation, State, System};
 use crate::scene::part::Part;
-use crate::scene::{Model, Scene, window};
+use crate::scene::{Model, Scene};
 use crate::solver::Lost;
 use crate::solver::mechanics::Mechanics;
 use crate::solver::stability::Tracker;
@@ -281,7 +281,7 @@ impl Diagram {
         observe: Observe<'_>,
     ) -> Result<Self, Refusal> {
         let control = scene.control();
-        let fixed = window::at_fixed_u0(scene, &scene.model()?);
+        let fixed = scene.at_fixed_u0(&scene.model()?);
         let model = fixed.model()?;
         let mut diagram = Self {
             control,

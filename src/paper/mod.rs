@@ -27,13 +27,6 @@ pub mod measured_law;
 pub mod overlay;
 pub mod scenes;
 
-pub use scenes as tips;
-
-/// As the window names it.
-pub mod figure {
-    pub use super::Finding;
-}
-
 use crate::numerics::cancel::Cancel;
 use crate::numerics::threads;
 use crate::physics::mesh_rule::{TABLE_1, mu_rho_of_zone};

@@ -17,6 +17,3 @@ pub mod scale;
 pub mod study_panel;
 pub mod style;
 pub mod typeset;
-
-pub use diagram_panel as ground_panel;
-pub use scale as ticks;

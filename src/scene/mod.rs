@@ -465,26 +465,6 @@ fn even(n: usize) -> Result<usize, Refusal> {
     }
 }
 
-/// The windows of a scene, as other rooms name them.
-pub mod window {
-    use super::{Model, Scene};
-
-    /// [`Scene::window_of_control`].
-    pub fn of_control(scene: &Scene, model: &Model) -> (f64, f64) {
-        scene.window_of_control(model)
-    }
-
-    /// [`Scene::window_of_u0`].
-    pub fn of_u0(scene: &Scene, model: &Model) -> [f64; 2] {
-        scene.window_of_u0(model)
-    }
-
-    /// [`Scene::at_fixed_u0`].
-    pub fn at_fixed_u0(scene: &Scene, model: &Model) -> Scene {
-        scene.at_fixed_u0(model)
-    }
-}
-
 #[cfg(test)]
 pub(crate) mod tests {
     use super::*;

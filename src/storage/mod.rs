@@ -25,12 +25,6 @@ pub const VERSION: &str = env!("TACKSCOPE_VERSION");
 
 pub use failure::{Failure, line};
 pub use files::{read_regular, remove};
-pub use picture as film;
-
-/// As the window names it.
-pub mod click {
-    pub use super::picture::click as file;
-}
 
 use crate::physics::topography::Topography;
 use crate::scene::Scene;

@@ -16,5 +16,3 @@ pub mod reality;
 pub mod sweep;
 pub mod time_step_map;
 pub mod why;
-
-pub use sweep as axis;

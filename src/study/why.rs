@@ -5,8 +5,6 @@
 //! softens faster than the body, or the machine, resists (Eq. 8); a pattern where its branch turns
 //! back (a fold), or where a disturbance of another symmetry has no stiffness left.
 
-pub use super::forecast::{Calm, ahead, calm};
-
 use super::forecast::told;
 use crate::follow::flat_branch::FlatBranch;
 use crate::follow::record::{Cause, Direction, JumpRecord};

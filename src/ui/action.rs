@@ -7,7 +7,7 @@ use crate::scene::Scene;
 use crate::scene::edit::Follows;
 use crate::scene::part::Strategy;
 use crate::solver::methods::MethodKind;
-use crate::storage::film::FilmKind;
+use crate::storage::picture::FilmKind;
 use crate::worker::protocol::{Speed, Sweep};
 use egui::ThemePreference;
 use std::path::PathBuf;

@@ -9,7 +9,7 @@ use super::view_state::{Begin, ViewState};
 use super::{commands, layout};
 use crate::follow::record::Cause;
 use crate::lessons::Progress;
-use crate::storage::{click, drawing, presets, scene_file};
+use crate::storage::{drawing, picture, presets, scene_file};
 use crate::worker::job::{Job, Reporter};
 use crate::worker::protocol::Event;
 use crate::worker::{self, SolverHandle};
@@ -347,7 +347,7 @@ pub type Player = Arc<dyn Fn() -> Result<(), String> + Send + Sync>;
 /// By a program of the desktop.
 fn desktop_player() -> Player {
     Arc::new(|| {
-        let file = click::file().map_err(|error| error.to_string())?;
+        let file = picture::click().map_err(|error| error.to_string())?;
         worker::play(file.path())
     })
 }

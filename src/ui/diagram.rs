@@ -7,8 +7,8 @@ use crate::plot::panel::{
     Along, Axis, Colour, Dash, Fill, Label, Look, Panel, Role, Series, Symbol, entries,
 };
 use crate::plot::scale::{Scale, scales};
+use crate::plot::scale::{label, ticks};
 use crate::plot::style::{Ground, MARKS, marked, pointing, stroke};
-use crate::plot::ticks::{label, ticks};
 use crate::plot::typeset::plain;
 use egui::emath::Rangef;
 use egui::{Align, Align2, AsIdSalt, Color32, FontId, Rect, RichText, Ui, Vec2, vec2};

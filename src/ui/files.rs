@@ -14,7 +14,7 @@ use crate::plot::loop_panel;
 use crate::plot::panel::Page;
 use crate::plot::scale;
 use crate::scene::{Model, Scene, edit};
-use crate::storage::film::{FilmKind, Shot, write_film};
+use crate::storage::picture::{FilmKind, Shot, write_film};
 use crate::storage::session::{self, Session};
 use crate::storage::{self, Failure, Opened, drawing, export, picture, scene_file};
 use crate::worker::job::Job;

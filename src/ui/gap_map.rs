@@ -8,7 +8,7 @@ use super::widgets::{described, named};
 use super::{grip, headline, sliders, theme};
 use crate::lessons::Hidden;
 use crate::physics::parameter::Dimension;
-use crate::plot::{scale, ticks};
+use crate::plot::scale;
 use crate::scene::units::fixed;
 use egui::{
     Align2, Color32, CursorIcon, Galley, Pos2, Rect, Sense, Shape, Stroke, StrokeKind, Ui,
@@ -274,7 +274,7 @@ fn colour_bar(ui: &Ui, state: &ViewState, cache: &MapCache, map: Rect) {
     let contact = y_of(state.model.law.contact_gap() / one);
     let named = ui.clip_rect().right() > bar.right() + 58.0;
     let most = f64::from(bar.height() / 28.0).clamp(2.0, 8.0);
-    let (values, spacing) = ticks::within(0.0, top * 1.001, most);
+    let (values, spacing) = scale::within(0.0, top * 1.001, most);
     for value in values {
         let y = y_of(value);
         ui.painter()
@@ -288,7 +288,7 @@ fn colour_bar(ui: &Ui, state: &ViewState, cache: &MapCache, map: Rect) {
         let label = format!(
             "{}{}",
             if above { "≥" } else { "" },
-            ticks::label(value, spacing)
+            scale::label(value, spacing)
         );
         ui.painter().text(
             pos2(bar.right() + 7.0, y),

@@ -19,7 +19,7 @@ use crate::physics::indenter::Indenter;
 use crate::physics::law::Law;
 use crate::physics::parameter::Dimension;
 use crate::plot::panel::Colour;
-use crate::plot::{scale, ticks};
+use crate::plot::scale;
 use crate::scene::units::fixed;
 use egui::{
     Align2, Color32, CursorIcon, FontId, Mesh, Pos2, Rect, Sense, Stroke, StrokeKind, Ui, pos2,
@@ -238,13 +238,13 @@ fn axes(ui: &Ui, state: &ViewState, frame: Rect, (low, high): (f64, f64), along_
     let colour = ui.visuals().text_color();
     let tick = Stroke::new(1.0, colour);
     let painter = ui.painter();
-    let (values, spacing) = ticks::within(low, high, 5.0);
+    let (values, spacing) = scale::within(low, high, 5.0);
     for value in values {
         let y = frame.bottom() - ((value - low) / (high - low)) as f32 * frame.height();
         painter.hline(frame.left() - 4.0..=frame.left(), y, tick);
         // The uppermost number gives way to the name of the axis.
         if y > frame.top() + 26.0 {
-            let text = ticks::label(value, spacing);
+            let text = scale::label(value, spacing);
             painter.text(
                 pos2(frame.left() - 6.0, y),
                 Align2::RIGHT_CENTER,
@@ -259,7 +259,7 @@ fn axes(ui: &Ui, state: &ViewState, frame: Rect, (low, high): (f64, f64), along_
         state.model.unit(Dimension::Length),
     ];
     let length = state.model.grid.length / state.rho() * across.scale;
-    let (values, spacing) = ticks::within(0.0, length, 5.5);
+    let (values, spacing) = scale::within(0.0, length, 5.5);
     for value in values.into_iter().filter(|value| *value <= 0.9 * length) {
         let x = frame.left() + (value / length) as f32 * frame.width();
         painter.vline(x, frame.bottom()..=frame.bottom() + 4.0, tick);
@@ -270,7 +270,7 @@ fn axes(ui: &Ui, state: &ViewState, frame: Rect, (low, high): (f64, f64), along_
         } else {
             Align2::CENTER_TOP
         };
-        let text = ticks::label(value, spacing);
+        let text = scale::label(value, spacing);
         painter.text(
             pos2(x, frame.bottom() + 5.0),
             anchor,

@@ -5,7 +5,7 @@ use super::theme;
 use super::view_state::{Told, ViewState};
 use super::widgets::{Asks, Entry, named};
 use super::words::explain;
-use crate::plot::ticks;
+use crate::plot::scale;
 use crate::scene::edit::{self, MU_RHO, TICKS};
 use egui::accesskit::{Action as Ask, ActionData};
 use egui::{
@@ -226,7 +226,7 @@ fn marks(ui: &Ui, rail: Rect, target: Pos2, actual: Pos2, state: &ViewState) {
 fn ticks_of(ui: &Ui, state: &ViewState, unit: f64, rail: Rect, y_of: &dyn Fn(f64) -> f32) {
     let (low, high) = (state.limits.0 / unit, state.limits.1 / unit);
     let most = f64::from(rail.height() / 28.0).clamp(2.0, 9.0);
-    let (values, spacing) = ticks::within(low, high, most);
+    let (values, spacing) = scale::within(low, high, most);
     let colour = ui.visuals().weak_text_color();
     for value in values {
         let y = y_of(value * unit);
@@ -235,7 +235,7 @@ fn ticks_of(ui: &Ui, state: &ViewState, unit: f64, rail: Rect, y_of: &dyn Fn(f64
             y,
             Stroke::new(1.0, colour),
         );
-        let text = ticks::label(value, spacing);
+        let text = scale::label(value, spacing);
         ui.painter().text(
             pos2(rail.left() - 11.0, y),
             Align2::RIGHT_CENTER,

@@ -26,7 +26,7 @@ use crate::plot::loop_panel::{flat_state, loss};
 use crate::scene::edit::Follows;
 use crate::scene::part::Strategy;
 use crate::scene::{Model, Scene};
-use crate::scene::{edit, parameter, window};
+use crate::scene::{edit, parameter};
 use crate::solver::methods::MethodKind;
 use crate::worker::job::Job;
 use crate::worker::protocol::{
@@ -139,9 +139,9 @@ impl ViewState {
     /// The scene's first value that is not allowed.
     pub fn new(scene: Scene) -> Result<Self, Refusal> {
         let model = scene.model()?;
-        let limits = window::of_control(&scene, &model);
+        let limits = scene.window_of_control(&model);
         let run = RunView::new(1, &scene, limits.1);
-        let ends = window::of_u0(&scene, &model);
+        let ends = scene.window_of_u0(&model);
         let flat_state = flat_state(&model, scene.control(), ends);
         let scene = Arc::new(scene);
         Ok(Self {
@@ -242,7 +242,7 @@ impl ViewState {
             }
         };
         let at_start = self.target == self.limits.1;
-        self.limits = window::of_control(&scene, &model);
+        self.limits = scene.window_of_control(&model);
         if at_start || !(self.limits.0..=self.limits.1).contains(&self.target) {
             self.target = self.limits.1;
         }
@@ -256,7 +256,7 @@ impl ViewState {
         self.plots.beneath.clear();
         self.plots.branches = None;
         self.plots.preview = None;
-        let ends = window::of_u0(&scene, &model);
+        let ends = scene.window_of_u0(&model);
         self.plots.flat_state = flat_state(&model, scene.control(), ends);
         let is_another = title_without(&scene.title) != title_without(&self.opened.scene.title);
         self.scene = Arc::new(scene);

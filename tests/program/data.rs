@@ -14,7 +14,7 @@ use tackscope::physics::grid::Grid;
 use tackscope::physics::system::System;
 use tackscope::plot::style::Colours;
 use tackscope::scene::Model;
-use tackscope::storage::film::{FilmKind, Shot, write_film};
+use tackscope::storage::picture::{FilmKind, Shot, write_film};
 use tackscope::storage::{Failure, VERSION, presets, scene_file};
 use zip::ZipArchive;
 

@@ -14,9 +14,8 @@ use tackscope::physics::pattern::Pattern;
 use tackscope::physics::theory::flat;
 use tackscope::scene::part::Part;
 use tackscope::scene::{Points, Scene};
-use tackscope::study::why::{
-    Balance, Criterion, Evidence, Explanation, Holder, Shape, ahead, calm, explain,
-};
+use tackscope::study::forecast::{ahead, calm};
+use tackscope::study::why::{Balance, Criterion, Evidence, Explanation, Holder, Shape, explain};
 
 fn jump(cause: Cause, u0: f64, control: f64) -> JumpRecord {
     JumpRecord {

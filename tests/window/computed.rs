@@ -8,8 +8,8 @@ use egui_kittest::kittest::{NodeT, Queryable};
 use std::sync::Arc;
 use tackscope::follow::record::Direction;
 use tackscope::numerics::cancel::Cancel;
+use tackscope::paper::Finding;
 use tackscope::paper::errata::{Erratum, Evidence};
-use tackscope::paper::figure::Finding;
 use tackscope::paper::overlay::ZeroRange;
 use tackscope::paper::{Figure, GALLERY, Size, Task};
 use tackscope::plot::panel::{

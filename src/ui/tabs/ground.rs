@@ -2,7 +2,7 @@
 //! and its root mean squares.
 
 use super::{Tab, Title, Update, small, under_way};
-use crate::plot::ground_panel::{distribution_panel, map_panel, numbers, spectrum_panel};
+use crate::plot::diagram_panel::{distribution_panel, map_panel, numbers, spectrum_panel};
 use crate::plot::panel::Panel;
 use crate::scene::Scene;
 use crate::study::ground::GroundReport;

@@ -2,8 +2,8 @@
 //! for, numbers held against numbers, and what the print got wrong.
 
 use super::{Tab, Title, Update, doing};
+use crate::paper::Finding;
 use crate::paper::errata::Erratum;
-use crate::paper::figure::Finding;
 use crate::paper::{Entry, Figure, GALLERY};
 use crate::plot::panel::{Content, Panel, letter};
 use crate::plot::style::Colours;

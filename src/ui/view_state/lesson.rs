@@ -5,7 +5,7 @@ use super::ViewState;
 use crate::follow::record::{Direction, JumpRecord, StateRecord};
 use crate::lessons::{self, Facts, Hidden, Lesson, Progress, Question, Step};
 use crate::physics::indenter::Indenter;
-use crate::study::why::calm;
+use crate::study::forecast::calm;
 use crate::ui::action::LessonAct;
 
 /// What the window must do as a step begins.

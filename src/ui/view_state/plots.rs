@@ -13,7 +13,7 @@ use crate::plot::loop_panel::place;
 use crate::plot::panel::{Colour, Dash, Role, Series};
 use crate::plot::scale;
 use crate::scene::units::fixed;
-use crate::scene::{Model, Scene, window};
+use crate::scene::{Model, Scene};
 use crate::storage::scene_file;
 use crate::study::landscape::Standing;
 use crate::study::live_loop::Sample;
@@ -165,7 +165,10 @@ impl ViewState {
     /// The same of the scene, whatever was done to them.
     pub fn scene_axes(&self) -> ([f64; 2], [f64; 2]) {
         let (low, high) = scale::stress_scale(&self.scene, &self.model);
-        let [left, right] = window::of_u0(&self.scene, &self.model).map(|u0| u0 / self.rho());
+        let [left, right] = self
+            .scene
+            .window_of_u0(&self.model)
+            .map(|u0| u0 / self.rho());
         let margin = 0.03 * (right - left);
         ([left - margin, low], [right + margin, high])
     }
@@ -188,7 +191,7 @@ impl ViewState {
             return Vec::new();
         };
         let law = &self.model.law;
-        let [low, high] = window::of_u0(&self.scene, &self.model);
+        let [low, high] = self.scene.window_of_u0(&self.model);
         let lines = theory.lines(&self.model, low, high).into_iter();
         let scaled = |points: Vec<[f64; 2]>| {
             let points = points.into_iter();
