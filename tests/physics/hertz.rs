@@ -7,7 +7,7 @@ use std::sync::OnceLock;
 use tackscope::follow::run::{LoopRun, Outcome, run_loop};
 use tackscope::follow::walk::WalkOptions;
 use tackscope::numerics::cancel::Cancel;
-use tackscope::paper::{scenes, tips};
+use tackscope::paper::scenes;
 use tackscope::physics::pattern::Pattern;
 use tackscope::physics::theory::jkr::{Jkr, PeriodicJkr};
 use tackscope::physics::theory::{tabor, tabor_of_mesh};
@@ -455,8 +455,8 @@ fn steps_gone_downhill_lose_what_bracketed_jumps_lose_and_their_ledgers_close_al
 
 #[test]
 fn every_loop_of_the_tip_is_kept_with_the_program() {
-    let kept = tips::kept();
-    let (mus, meshes) = tips::KEPT;
+    let kept = scenes::kept();
+    let (mus, meshes) = scenes::KEPT;
     let wanted: Vec<_> = mus
         .iter()
         .flat_map(|mu| meshes.iter().map(move |n| (*mu, *n)))
