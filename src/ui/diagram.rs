@@ -6,11 +6,11 @@ use super::words::explain;
 use crate::plot::panel::{
     Along, Axis, Colour, Dash, Fill, Label, Look, Panel, Role, Series, Symbol, entries,
 };
-use crate::plot::scale::{Scale, scales};
-use crate::plot::scale::{label, ticks};
+use crate::plot::scale::{Scale, label, scales, ticks};
 use crate::plot::style::{Ground, MARKS, marked, pointing, stroke};
 use crate::plot::typeset::plain;
 use egui::emath::Rangef;
+use egui::text::LayoutJob;
 use egui::{Align, Align2, AsIdSalt, Color32, FontId, Rect, RichText, Ui, Vec2, vec2};
 use egui_plot::{
     Arrows, AxisHints, FilledArea, GridMark, HoverPosition, Line, LineStyle, MarkerShape, Plot,
@@ -22,10 +22,19 @@ const RING: f32 = 7.5;
 /// Below this height the names of the axes give way.
 const NAMED: f32 = 130.0;
 
-/// A plot whose axes no gesture moves.
-fn fixed<'a>(id: impl AsIdSalt) -> Plot<'a> {
+/// Room below and on the left of a plot without names.
+const BARE: [f32; 2] = [14.0, 30.0];
+/// Room of short numbers along x and y.
+const NUMBERS: [f32; 2] = [14.0, 26.0];
+/// Height of an axis' name with the gap at it, as the plot draws it, over that of its text.
+const NAME: f32 = 1.25;
+
+/// A plot whose axes no gesture moves, with so much room at least below and on the left.
+fn fixed<'a>(id: impl AsIdSalt, [below, left]: [f32; 2]) -> Plot<'a> {
     // Numbers down to a narrow window; they are short here.
-    let x_axis = AxisHints::new_x().label_spacing(Rangef::new(32.0, 40.0));
+    let x_axis = AxisHints::new_x()
+        .label_spacing(Rangef::new(32.0, 40.0))
+        .min_thickness(below);
     Plot::new(id)
         .custom_x_axes(vec![x_axis])
         // The plot's own words round a tick of 0.5 to 0.
@@ -39,7 +48,7 @@ fn fixed<'a>(id: impl AsIdSalt) -> Plot<'a> {
         .allow_double_click_reset(false)
         .auto_bounds(false)
         .show_crosshair(false)
-        .y_axis_min_width(30.0)
+        .y_axis_min_width(left)
 }
 
 /// Where the pointer is.
@@ -125,14 +134,18 @@ pub fn show(
         Numbers::new(y, height / UP),
     );
     let (across_grid, up_grid) = (across.grid(), up.grid());
-    let mut plot = fixed(id)
+    let name = |numbers: &Numbers, axis: &Axis| set(&numbers.named(axis), theme::TICK, text);
+    let names = (height >= NAMED).then(|| [name(&across, &panel.x), name(&up, &panel.y)]);
+    // The plot itself learns of a name's room only in the frame after, and draws it over numbers first.
+    let room = |name: LayoutJob| NAME * ui.painter().layout_job(name).size().y;
+    let least = names
+        .clone()
+        .map_or(BARE, |[x, y]| [NUMBERS[0] + room(x), NUMBERS[1] + room(y)]);
+    let mut plot = fixed(id, least)
         .height(height)
         .grid_color(text.gamma_multiply(0.3));
-    if height >= NAMED {
-        let name = |numbers: &Numbers, axis: &Axis| set(&numbers.named(axis), theme::TICK, text);
-        plot = plot
-            .x_axis_label(name(&across, &panel.x))
-            .y_axis_label(name(&up, &panel.y));
+    if let Some([x, y]) = names {
+        plot = plot.x_axis_label(x).y_axis_label(y);
     }
     plot.x_grid_spacer(move |_| across_grid.clone())
         .y_grid_spacer(move |_| up_grid.clone())
@@ -472,8 +485,37 @@ fn colour(colour: Colour, ground: Ground) -> Color32 {
 
 #[cfg(test)]
 mod tests {
-    use super::over_x;
+    use super::*;
+    use egui_kittest::Harness;
     use proptest::prelude::*;
+
+    #[test]
+    fn the_names_of_axes_have_their_room_in_the_frame_in_which_they_come() {
+        let panel = Panel {
+            x: Axis::linear("u_0").from_to(0.0, 4.0),
+            y: Axis::linear("sigma").from_to(-0.4, 1.0),
+            ..Panel::default()
+        };
+        let shown = |ui: &mut Ui, (height, room): &mut (f32, [f32; 2])| {
+            let drawn = show(ui, &panel, "plot", *height, |_, _| None);
+            let frame = drawn.transform.frame();
+            *room = [frame.left(), *height - frame.bottom()];
+        };
+        let mut window = Harness::new_ui_state(shown, (0.9 * NAMED, [0.0; 2]));
+        window.run_steps(3);
+        let rooms = [NAMED, 0.9 * NAMED].map(|height| {
+            window.state_mut().0 = height;
+            [0; 2].map(|_| {
+                window.run_steps(1);
+                window.state().1
+            })
+        });
+        let [[came, named], [_, bare]] = rooms;
+        for i in 0..2 {
+            let all = named[i] - bare[i];
+            assert!(all > 10.0 && named[i] - came[i] < 0.25 * all, "{rooms:?}");
+        }
+    }
 
     fn area(corners: &[[f64; 2]]) -> f64 {
         let sides = corners.iter().zip(corners.iter().cycle().skip(1));

@@ -218,9 +218,9 @@ impl Bench {
     }
 
     /// The scenes that it was told since the last call.
-    pub fn scenes(&self) -> Vec<Arc<Scene>> {
+    pub fn scenes(&self) -> Vec<Scene> {
         let scene = |command| match command {
-            Command::SetScene { scene, .. } => Some(scene),
+            Command::SetScene { scene, .. } => Some((*scene).clone()),
             _ => None,
         };
         self.heard().into_iter().filter_map(scene).collect()
