@@ -88,9 +88,16 @@ impl Preconditioner {
         Self::by(diagonal(system, stiffness), Some(block))
     }
 
+    /// The same with another constant `stiffness` k (E* per length) of the diagonal.
+    pub fn with_stiffness(mut self, system: &System, stiffness: f64) -> Self {
+        self.diagonal = diagonal(system, stiffness);
+        self.roots = roots(&self.diagonal);
+        self
+    }
+
     fn by(diagonal: Vec<f64>, even: Option<LowBlock>) -> Self {
         Self {
-            roots: diagonal.iter().map(|m| m.sqrt()).collect(),
+            roots: roots(&diagonal),
             diagonal,
             even,
             modes: Vec::new(),
@@ -213,6 +220,10 @@ fn diagonal(system: &System, stiffness: f64) -> Vec<f64> {
         diagonal[0] = 0.0;
     }
     diagonal
+}
+
+fn roots(diagonal: &[f64]) -> Vec<f64> {
+    diagonal.iter().map(|m| m.sqrt()).collect()
 }
 
 /// `out` = `factors` times `r`, entry by entry.

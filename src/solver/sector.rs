@@ -326,6 +326,40 @@ impl Sector {
     /// those leave out waves that matter from the whole Hessian, starting from the modes of the
     /// node before.
     fn soften(&mut self, node: &mut Node, before: Option<&Node>, fields: &Fields, rates: &Rates) {
+        self.soften_in_blocks(node, before, rates);
+        if !self.partial {
+            return;
+        }
+        let block = self
+            .mechanics
+            .preconditioner
+            .low_block()
+            .expect("an even system has a block");
+        node.own_mode = block.mode(&node.own_waves, self.system());
+        let limits = EigenLimits {
+            pairs: 1,
+            least: 1,
+            most: 4,
+            relative: 0.05,
+            absolute: 1e-3 * self.system().grid().q1(),
+        };
+        let start = |mode: &Vec<f64>, known: Option<&Vec<f64>>| {
+            known.into_iter().chain([mode]).cloned().collect()
+        };
+        let own = self.refine(
+            fields,
+            Class::Symmetric,
+            start(&node.own_mode, before.map(|n| &n.own_mode)),
+            limits,
+        );
+        (node.own, node.own_mode, _) = own;
+        let start = start(&node.breaking_mode, before.map(|n| &n.breaking_mode));
+        let breaking = self.refine(fields, Class::Antisymmetric, start, limits);
+        (node.breaking, node.breaking_mode, _) = breaking;
+    }
+
+    /// The same among the waves of the blocks alone.
+    fn soften_in_blocks(&mut self, node: &mut Node, before: Option<&Node>, rates: &Rates) {
         let block = self
             .mechanics
             .preconditioner
@@ -356,34 +390,6 @@ impl Sector {
         }
         if !is_ridge {
             node.breaking_mode = self.breaking[0].mode(&node.breaking_waves[0], self.system());
-        }
-        if self.partial {
-            let block = self
-                .mechanics
-                .preconditioner
-                .low_block()
-                .expect("an even system has a block");
-            node.own_mode = block.mode(&node.own_waves, self.system());
-            let limits = EigenLimits {
-                pairs: 1,
-                least: 1,
-                most: 4,
-                relative: 0.05,
-                absolute: 1e-3 * self.system().grid().q1(),
-            };
-            let start = |mode: &Vec<f64>, known: Option<&Vec<f64>>| {
-                known.into_iter().chain([mode]).cloned().collect()
-            };
-            let own = self.refine(
-                fields,
-                Class::Symmetric,
-                start(&node.own_mode, before.map(|n| &n.own_mode)),
-                limits,
-            );
-            (node.own, node.own_mode, _) = own;
-            let start = start(&node.breaking_mode, before.map(|n| &n.breaking_mode));
-            let breaking = self.refine(fields, Class::Antisymmetric, start, limits);
-            (node.breaking, node.breaking_mode, _) = breaking;
         }
     }
 
@@ -524,7 +530,7 @@ impl Sector {
         let Evaluation { state, fields, .. } = at;
         let rates = self.refresh(&fields);
         let mut node = Node::bare(state, f64::NAN, Vec::new());
-        self.soften(&mut node, before, &fields, &rates);
+        self.soften_in_blocks(&mut node, before, &rates);
         let mut stiffness = Stiffness {
             value: node.own.min(node.breaking),
             error: 1e-4 * node.own.abs().min(node.breaking.abs()),

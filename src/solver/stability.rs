@@ -10,7 +10,7 @@
 use super::equilibrium::{Lost, Stiffness};
 use super::mechanics::Mechanics;
 pub use super::proof::CHANCE;
-use super::proof::{Proof, Proved, prove, prove_capped};
+use super::proof::{Proof, Proved, odd_above, prove, prove_capped};
 use crate::numerics::eigen::{EigenLimits, EigenPairs, smallest};
 use crate::numerics::vector::{add, dot, norm, project_out, scale};
 use crate::physics::system::{Evaluation, Fields, System, carried};
@@ -231,6 +231,23 @@ impl Tracker {
         })
     }
 
+    /// True where no odd mode at the even surface `z` lies below `shift` because no even one, of
+    /// mean displacement zero, lies below `least` (E* per length; `[least, shift]`). False proves
+    /// nothing.
+    pub fn odd_above(
+        &mut self,
+        mechanics: &mut Mechanics,
+        z: &[f64],
+        fields: &Fields,
+        goals: [f64; 2],
+    ) -> bool {
+        let removed = mechanics.sliding_basis(z, fields);
+        let before = mechanics.transforms();
+        let above = odd_above(mechanics, fields, &removed, goals);
+        self.spent += mechanics.transforms() - before;
+        above
+    }
+
     /// Below which the last proof leaves no eigenvalue at a place (E* per length).
     fn room(&self, place: &Place<'_>) -> f64 {
         self.proof.as_ref().map_or(f64::NEG_INFINITY, |proof| {
@@ -376,15 +393,15 @@ impl Tracker {
         )
     }
 
-    /// Whether an eigenvalue lies below `shift`: over uneven ground asked of a capped gamma''
-    /// first, with a higher cap from then on where that was too low.
+    /// Whether an eigenvalue lies below `shift`: asked of a capped gamma'' first, with a higher cap
+    /// from then on where that was too low.
     fn below(&mut self, place: &mut Place<'_>, shift: f64) -> Proved {
         let stiffest = place
             .fields
             .stiffness
             .fold(0.0, |most: f64, k| most.max(*k));
         let cap = self.cap * place.unit();
-        if shift < cap && cap < stiffest && !place.mechanics.system.is_flat() {
+        if shift < cap && cap < stiffest {
             let goals = [cap, shift];
             let Place {
                 mechanics,

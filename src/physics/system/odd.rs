@@ -1,15 +1,21 @@
 //! Modes that are odd over the even patterns of a system, on the quarter of the cell that holds the
 //! patterns.
 //!
-//! **What is odd both ways is no softer than what is odd one way**, on a half-space. A mode and the one
-//! with the same values on the quarter that is even along y are weighed by the same gamma''; so are
-//! they by the squares of their wave numbers along x. Of the squares along y the matrices between
-//! points y_i = (i + 1/2) pi/m of the quarter differ by (-1)^(i+j)/sin^2((y_i + y_j)/2). By the
-//! reflection of the trigamma function 1/sin^2 is the integral of e^(-st) and e^(-(pi-s)t) with a
-//! positive weight, so that this is positive semidefinite. The stiffness q E*/2 is the root of the sum
-//! of squares, and roots keep the order (K. Loewner, Math. Z. 38, 177 (1934)).
+//! **What is odd along an axis is no softer than what is even along it**, on a half-space: of the two
+//! fields with the same values on the quarter the odd one has no less energy. They are weighed by the
+//! same gamma''; so are they by the squares of their wave numbers along the other axis. Of the squares
+//! along this one, y, the matrices between points y_i = (i + 1/2) pi/m of the quarter differ by
+//! (-1)^(i+j)/sin^2((y_i + y_j)/2). By the reflection of the trigamma function 1/sin^2 is the integral
+//! of e^(-st) and e^(-(pi-s)t) with a positive weight, so that this is positive semidefinite. The
+//! stiffness q E*/2 is the root of the sum of squares, and roots keep the order (K. Loewner, Math. Z.
+//! 38, 177 (1934)).
+//!
+//! Modes that are odd both ways are thus no softer than those that are odd one way. Those that are odd
+//! one way are no softer than the even ones, of which the mean is one: where the mean displacement is
+//! held this says something of fields without a mean on the quarter alone.
 
-use super::{Body, Control, System};
+use super::{Body, Control, System, Workspace};
+use ndarray::Array2;
 
 impl System {
     /// Modes over the even patterns of an `even` system that are odd along x, y or both: only their
@@ -41,10 +47,18 @@ impl System {
         self.odd
     }
 
-    /// True if the softest mode that is odd along x and y is no softer than the softest one that is
-    /// odd along one of them: see above. (Where patterns slide that one has no stiffness.)
-    pub fn orders_odd_modes(&self) -> bool {
-        self.body == Body::HalfSpace && !self.uniform[0] && !self.uniform[1]
+    /// True if a mode that is odd along an axis has no less energy than the even one with the same
+    /// values on the quarter: see above.
+    pub fn orders_modes(&self) -> bool {
+        self.body == Body::HalfSpace
+    }
+
+    /// Amplitudes of the field that is one all over the quarter. One transform.
+    pub fn quarter(&self, ws: &mut Workspace) -> Vec<f64> {
+        let sign = |i: usize, odd: bool| if odd && i % 2 == 1 { -1.0 } else { 1.0 };
+        let [x, y] = self.odd;
+        let ones = Array2::from_shape_fn(self.shape(), |(j, i)| sign(i, x) * sign(j, y));
+        self.amplitudes(&ones, ws)
     }
 
     /// The mode in which the even pattern of amplitudes `z` slides, if it is among these modes and
