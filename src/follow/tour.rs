@@ -12,6 +12,7 @@ use crate::physics::system::{System, carried};
 use crate::scene::part::Part;
 use crate::scene::{Model, Scene};
 use crate::solver::Stop;
+use crate::solver::branch::{History, distance};
 use crate::solver::mechanics::Mechanics;
 use crate::solver::sector::{Measured, Node};
 use ndarray::Array2;
@@ -61,6 +62,8 @@ impl Atlas {
             guard: Guard::new(&even, whole.slides, scene.seed),
             whole,
             last: None,
+            history: History::default(),
+            extrapolates: false,
         };
         tour.guard.cancel = cancel.clone();
         let mut run = LoopRun::empty();
@@ -127,6 +130,10 @@ struct Tour<'a> {
     whole: Mechanics,
     /// Place and node of the state before.
     last: Option<(Place, Node)>,
+    /// States of the same branch before, and whether they foretold the last one better than its
+    /// curve did.
+    history: History,
+    extrapolates: bool,
 }
 
 impl Tour<'_> {
@@ -188,6 +195,45 @@ impl Tour<'_> {
         flat.fields.gap
     }
 
+    /// The state of branch `i` at `u0`, from its curve or from the states before, whichever is nearer
+    /// as it seems; from the other where there is none.
+    fn nearest(&mut self, i: usize, u0: f64, before: Option<&Node>) -> Result<Measured, Unmapped> {
+        let curve = self.atlas.branches[i].guess(u0);
+        let mut guesses: Vec<Vec<f64>> =
+            self.history.cubic(u0).into_iter().chain([curve]).collect();
+        if !self.extrapolates {
+            guesses.reverse();
+        }
+        let mut found = self.measure(i, u0, guesses[0].clone(), before);
+        if let Some(other) = guesses.get(1) {
+            match &found {
+                Ok(measured) => {
+                    let z = &measured.node.state.amplitudes;
+                    self.extrapolates ^= distance(other, z) < distance(&guesses[0], z);
+                }
+                Err(_) => found = self.measure(i, u0, other.clone(), before),
+            }
+        }
+        found
+    }
+
+    fn measure(
+        &mut self,
+        i: usize,
+        u0: f64,
+        guess: Vec<f64>,
+        before: Option<&Node>,
+    ) -> Result<Measured, Unmapped> {
+        let sector = if self.atlas.branches[i].is_ridge {
+            &mut self.atlas.ridge
+        } else {
+            &mut self.atlas.square
+        };
+        sector
+            .measure(u0, guess, before, TOLERANCE)
+            .map_err(|lost| Unmapped::at(u0, format!("the state was not found ({lost:?})")))
+    }
+
     /// The state of branch `i` with the control of `record`, with its evidence.
     fn found(
         &mut self,
@@ -197,22 +243,13 @@ impl Tour<'_> {
     ) -> Result<Measured, Unmapped> {
         let control = self.atlas.meshes().control;
         let near = TOLERANCE * control.unit(&self.model.law);
-        let branch = &self.atlas.branches[i];
-        let u0 = record.mean_displacement;
         // d control/du0, which vanishes where the control turns back; then by secants.
-        let [mut rate, _] = control.balanced(1.0, branch.at(u0).slope);
+        let slope = self.atlas.branches[i].at(record.mean_displacement).slope;
+        let [mut rate, _] = control.balanced(1.0, slope);
         let mut last: Option<[f64; 2]> = None;
-        let mut guess = branch.guess(u0);
-        let sector = if branch.is_ridge {
-            &mut self.atlas.ridge
-        } else {
-            &mut self.atlas.square
-        };
+        let mut measured = self.nearest(i, record.mean_displacement, before)?;
         for _ in 0..ROUNDS {
             let u0 = record.mean_displacement;
-            let measured = sector
-                .measure(u0, guess, before, TOLERANCE)
-                .map_err(|lost| Unmapped::at(u0, format!("the state was not found ({lost:?})")))?;
             let [value, _] = control.balanced(u0, measured.node.state.stress);
             let off = record.control - value;
             if off.abs() <= near {
@@ -224,7 +261,8 @@ impl Tour<'_> {
             last = Some([u0, value]);
             let longest = NEXT * self.model.law.range;
             record.mean_displacement += (off / rate).clamp(-longest, longest);
-            guess = measured.node.state.amplitudes;
+            let guess = measured.node.state.amplitudes;
+            measured = self.measure(i, record.mean_displacement, guess, before)?;
         }
         let u0 = record.mean_displacement;
         Err(Unmapped::at(u0, "the state was not found at its control"))
@@ -243,6 +281,7 @@ impl Tour<'_> {
             .filter(|(place, _)| *place == Place::On(i))
             .map(|(_, node)| node);
         if before.is_none() {
+            self.history = History::default();
             self.guard.reset();
         }
         let Measured {
@@ -305,6 +344,7 @@ impl Tour<'_> {
         } else {
             Stop::Unstable
         };
+        self.history.push(&node.state);
         self.last = Some((Place::On(i), node));
         Ok(gap)
     }

@@ -41,25 +41,34 @@ impl History {
     /// order that does not amplify noise; `None` where not even a straight line through the last
     /// two may be trusted.
     pub fn predict(&self, at: f64) -> Option<Vec<f64>> {
-        (2..=self.states.len()).rev().find_map(|count| {
-            let points = &self.states[self.states.len() - count..];
-            let weights: Vec<f64> = (0..count)
-                .map(|i| {
-                    let others = points.iter().enumerate().filter(|(j, _)| *j != i);
-                    others
-                        .map(|(_, (known, _))| (at - known) / (points[i].0 - known))
-                        .product()
-                })
-                .collect();
-            if weights.iter().map(|w: &f64| w.abs()).sum::<f64>() > WILDEST {
-                return None;
-            }
-            let mut sum = vec![0.0; points[0].1.len()];
-            for (w, (_, z)) in weights.iter().zip(points) {
-                add(&mut sum, *w, z);
-            }
-            Some(sum)
-        })
+        (2..=self.states.len())
+            .rev()
+            .find_map(|count| self.extrapolate(count, at))
+    }
+
+    /// The same of all four states, or nothing.
+    pub fn cubic(&self, at: f64) -> Option<Vec<f64>> {
+        (self.states.len() == 4).then(|| self.extrapolate(4, at))?
+    }
+
+    fn extrapolate(&self, count: usize, at: f64) -> Option<Vec<f64>> {
+        let points = &self.states[self.states.len() - count..];
+        let weights: Vec<f64> = (0..count)
+            .map(|i| {
+                let others = points.iter().enumerate().filter(|(j, _)| *j != i);
+                others
+                    .map(|(_, (known, _))| (at - known) / (points[i].0 - known))
+                    .product()
+            })
+            .collect();
+        if weights.iter().map(|w: &f64| w.abs()).sum::<f64>() > WILDEST {
+            return None;
+        }
+        let mut sum = vec![0.0; points[0].1.len()];
+        for (w, (_, z)) in weights.iter().zip(points) {
+            add(&mut sum, *w, z);
+        }
+        Some(sum)
     }
 }
 
