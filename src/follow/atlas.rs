@@ -20,12 +20,11 @@ pub(super) use explorer::{Explorer, Form, Rest, pattern_of};
 
 use super::contest::{Share, shares};
 use super::flat_branch::FlatBranch;
-use crate::numerics::cancel::Cancel;
+use crate::numerics::threads::Cancel;
 use crate::physics::control::Control;
-use crate::physics::grid::Grid;
 use crate::physics::indenter::Indenter;
 use crate::physics::law::Law;
-use crate::physics::mesh_rule::{SAFE, next_fast, points_at};
+use crate::physics::mesh::{Grid, SAFE, next_fast, points_at};
 use crate::physics::pattern::Pattern;
 use crate::physics::system::{State, System, carried};
 use crate::scene::{Model, Scene};

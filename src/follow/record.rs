@@ -3,7 +3,7 @@
 use super::contest::Share;
 use crate::physics::control::Control;
 use crate::physics::pattern::Pattern;
-use crate::scene::part::Part;
+use crate::scene::Part;
 use crate::solver::Stop;
 use serde::{Deserialize, Serialize};
 use std::fmt;

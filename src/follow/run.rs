@@ -5,7 +5,7 @@ use super::contest::Share;
 use super::ledger::Ledger;
 use super::record::{Direction, JumpRecord, LoopRecord, StateRecord};
 use super::walk::{Counts, Observed, Progress, Stuck, Walk, WalkOptions, Widened};
-use crate::numerics::cancel::Cancel;
+use crate::numerics::threads::Cancel;
 use crate::physics::parameter::Refusal;
 use crate::physics::pattern::Pattern;
 use crate::scene::{Scene, Turn};

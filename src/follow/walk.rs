@@ -8,14 +8,13 @@
 use super::contest::Share;
 use super::flat_branch::FlatBranch;
 use super::record::{Cause, Direction, StateRecord};
-use crate::numerics::cancel::Cancel;
+use crate::numerics::dense::{dot, scale};
 use crate::numerics::precision::Precision;
-use crate::numerics::vector::{dot, scale};
+use crate::numerics::threads::Cancel;
 use crate::physics::control::Control;
 use crate::physics::parameter::Refusal;
 use crate::physics::system::{State, System};
-use crate::scene::part::Part;
-use crate::scene::{Model, Scene};
+use crate::scene::{Model, Part, Scene};
 use crate::solver::branch::History;
 use crate::solver::equilibrium::{Cost, Equilibrium};
 use crate::solver::mechanics::{Mechanics, Slides};

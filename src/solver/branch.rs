@@ -1,6 +1,6 @@
 //! The recent states of a branch, and the prediction of the next one.
 
-use crate::numerics::vector::{add, norm};
+use crate::numerics::dense::{add, norm};
 use crate::physics::system::State;
 
 /// Largest sum of |weights| of an extrapolation; the uniform cubic has 15, anything wilder

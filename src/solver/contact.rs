@@ -13,8 +13,8 @@
 //! Newton steps of a state over the tip at mu_rho = 0.5 took 12, 14 and 18 products at n = 128, 256
 //! and 512, with a diagonal in waves 34, 55 and 87; at mu_rho = 1.5 and n = 128 3 and 19.
 
-use crate::numerics::cancel::Cancel;
 use crate::numerics::krylov::{CgLimits, CgSolution, conjugate_gradients};
+use crate::numerics::threads::Cancel;
 use crate::physics::system::{Fields, System, Workspace};
 use ndarray::Array2;
 
@@ -134,12 +134,12 @@ impl<'a> Filter<'a> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::numerics::dense::{add, norm};
     use crate::numerics::krylov::CgEnd;
-    use crate::numerics::vector::{add, norm};
     use crate::physics::control::Control;
-    use crate::physics::grid::Grid;
     use crate::physics::indenter::{Hertz, Indenter};
     use crate::physics::law::{Law, Morse, Shape};
+    use crate::physics::mesh::Grid;
 
     /// A cell with a disc of contact in its middle, as much stiffer as the spacing is finer, and a
     /// little softness around it.

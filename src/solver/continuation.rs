@@ -13,8 +13,8 @@
 
 use super::Lost;
 use super::mechanics::{Mechanics, Rates};
+use crate::numerics::dense::{add, dot, hermite, norm, project_out, scale};
 use crate::numerics::krylov::{CgLimits, minimal_residual};
-use crate::numerics::vector::{add, dot, hermite, norm, project_out, scale};
 use crate::physics::system::{Evaluation, Fields, State};
 
 /// Root mean square force over sigma_max of a point: its stress and energy are then exact to more

@@ -10,7 +10,7 @@ use super::equilibrium::{Cost, Equilibrium};
 use super::mechanics::Mechanics;
 use super::method::{Method, audit, predicted, reach};
 use super::{Lost, Stop};
-use crate::numerics::vector::{add, dot, max_abs, norm, orthonormalise, project_out, scale};
+use crate::numerics::dense::{add, dot, max_abs, norm, orthonormalise, project_out, scale};
 use crate::physics::law::Law;
 use crate::physics::system::{Evaluation, Fields};
 use std::collections::VecDeque;

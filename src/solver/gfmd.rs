@@ -18,7 +18,7 @@ use super::method::{Method, predicted};
 use super::newton::centred;
 use super::stability::{random_amplitudes, random_smooth};
 use super::{Lost, Stop};
-use crate::numerics::vector::{add, norm, project_out, scale};
+use crate::numerics::dense::{add, norm, project_out, scale};
 use crate::physics::system::System;
 use rand::SeedableRng;
 use rand_pcg::Pcg64;

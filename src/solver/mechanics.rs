@@ -2,9 +2,9 @@
 //! pieces one by one.
 
 use super::contact;
-use crate::numerics::cancel::Cancel;
+use crate::numerics::dense::{dot, norm, orthonormalise};
 use crate::numerics::krylov::{CgLimits, CgSolution, conjugate_gradients};
-use crate::numerics::vector::{dot, norm, orthonormalise};
+use crate::numerics::threads::Cancel;
 use crate::physics::control::Control;
 use crate::physics::low_block::Class;
 use crate::physics::preconditioner::Preconditioner;

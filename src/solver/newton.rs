@@ -3,8 +3,8 @@
 
 use super::Lost;
 use super::mechanics::Mechanics;
+use crate::numerics::dense::{add, norm, project_out};
 use crate::numerics::krylov::{CgEnd, CgLimits, CgSolution};
-use crate::numerics::vector::{add, norm, project_out};
 use crate::physics::system::{Evaluation, System};
 
 /// What [`solve`] and [`descend`] aim at, and how long they may take.

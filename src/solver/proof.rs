@@ -13,9 +13,9 @@
 //! proof takes 25 and 40 products at n = 64 and 128 where it took 42 and 84.
 
 use super::mechanics::Mechanics;
-use crate::numerics::lanczos::lowest;
+use crate::numerics::dense::{add, dot, products, project_out};
+use crate::numerics::eigen::lowest;
 use crate::numerics::precision::Precision;
-use crate::numerics::vector::{add, dot, products, project_out};
 use crate::physics::preconditioner::Preconditioner;
 use crate::physics::system::Fields;
 use ndarray::Array2;

@@ -7,7 +7,7 @@
 
 use super::mechanics::{Mechanics, Slides};
 use super::newton::{NewtonEnd, NewtonLimits, NewtonState, descend};
-use crate::numerics::vector::{add, dot, norm, scale};
+use crate::numerics::dense::{add, dot, norm, scale};
 use crate::physics::control::Control;
 use crate::physics::system::Evaluation;
 

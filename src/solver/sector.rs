@@ -12,15 +12,15 @@ use super::class_proof::Known;
 use super::equilibrium::Stiffness;
 use super::mechanics::{Mechanics, Rates};
 use super::newton::{NewtonEnd, NewtonLimits, Residual, descend, solve};
-use crate::numerics::cancel::Cancel;
+use crate::numerics::dense::dot;
 use crate::numerics::eigen::{EigenLimits, EigenPairs, smallest};
 use crate::numerics::krylov::{CgEnd, CgLimits};
-use crate::numerics::vector::dot;
+use crate::numerics::threads::Cancel;
 use crate::physics::control::Control;
-use crate::physics::grid::Grid;
 use crate::physics::indenter::Indenter;
 use crate::physics::law::Law;
 use crate::physics::low_block::{Class, LowBlock};
+use crate::physics::mesh::Grid;
 use crate::physics::preconditioner::class_reach;
 use crate::physics::system::{Evaluation, Fields, State, System, carried};
 

@@ -9,8 +9,8 @@ use super::Lost;
 use super::branch::distance;
 use super::mechanics::Mechanics;
 use super::newton::{NewtonEnd, NewtonLimits, solve};
+use crate::numerics::dense::{add, norm};
 use crate::numerics::krylov::{CgEnd, CgLimits, conjugate_gradients};
-use crate::numerics::vector::{add, norm};
 use crate::physics::system::Evaluation;
 
 /// First step off the saddle along its mode (ranges): there the path is that mode up to the square

@@ -6,8 +6,8 @@
 
 use crate::follow::diagram::{Diagram, Piece, negative_modes};
 use crate::follow::record::StateRecord;
-use crate::numerics::cancel::Cancel;
-use crate::numerics::vector::{add, norm, scale};
+use crate::numerics::dense::{add, norm, scale};
+use crate::numerics::threads::Cancel;
 use crate::physics::control::Control;
 use crate::physics::indenter::Indenter;
 use crate::physics::law::Law;

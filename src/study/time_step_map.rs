@@ -6,8 +6,8 @@
 //! the bound of [`time_step_limit`] leaves it out too.
 
 use crate::follow::walk::{Progress as Walked, Walk};
-use crate::numerics::cancel::Cancel;
-use crate::numerics::vector::{add, norm, project_out, scale};
+use crate::numerics::dense::{add, norm, project_out, scale};
+use crate::numerics::threads::Cancel;
 use crate::physics::parameter::Refusal;
 use crate::scene::{Model, Scene};
 use crate::solver::Lost;

@@ -7,12 +7,10 @@ use tackscope::follow::atlas::{Atlas, Cycle, End, Meshes};
 use tackscope::follow::record::JumpRecord;
 use tackscope::follow::run::LoopRun;
 use tackscope::physics::control::Control;
-use tackscope::physics::grid::Grid;
 use tackscope::physics::law::{Law, Morse, Shape};
-use tackscope::physics::mesh_rule::{mesh_error, next_fast};
-use tackscope::physics::theory::flat;
-use tackscope::scene::part::{Part, Strategy};
-use tackscope::scene::{Points, Scene, Turn};
+use tackscope::physics::mesh::{Grid, mesh_error, next_fast};
+use tackscope::physics::theory::critical_length;
+use tackscope::scene::{Part, Points, Scene, Strategy, Turn};
 use tackscope::solver::Stop;
 use tackscope::solver::sector::{Sector, Side};
 use tackscope::study::plan::plan;
@@ -187,7 +185,7 @@ fn the_walk_on_the_even_quarter_agrees_with_the_whole_cell_on_flat_and_uneven_gr
 #[test]
 fn a_cell_below_the_critical_length_has_no_jump() {
     let law = morse(1.0);
-    let length = 0.99 * flat::critical_length(&law);
+    let length = 0.99 * critical_length(&law);
     let cycle = Atlas::new(Meshes::new(&law, length, 32))
         .cycle(4.0, 0.2)
         .unwrap();
@@ -245,7 +243,7 @@ fn mesh_error_falls_exponentially_and_stays_below_what_is_predicted() {
             (this.dissipated_energy / fine.dissipated_energy - 1.0).abs(),
             f64::max,
         );
-        let mu_rho = tackscope::physics::mesh_rule::mu_rho(&morse(1.0), 256.0 / n as f64);
+        let mu_rho = tackscope::physics::mesh::mu_rho(&morse(1.0), 256.0 / n as f64);
         let predicted = mesh_error(&morse(1.0), 256.0, mu_rho);
         println!("n = {n}: measured {error:.1e}, predicted {predicted:.1e}");
         assert!(error <= predicted, "{n}: {error:e} > {predicted:e}");

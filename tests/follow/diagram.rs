@@ -9,15 +9,14 @@ use tackscope::follow::atlas::{Atlas, Meshes};
 use tackscope::follow::diagram::{Branch, Diagram, Ending, Kind, Point};
 use tackscope::follow::record::Cause;
 use tackscope::follow::run::LoopRun;
-use tackscope::numerics::cancel::Cancel;
-use tackscope::physics::grid::Grid;
+use tackscope::numerics::threads::Cancel;
 use tackscope::physics::law::{Mie, Morse, Shape};
+use tackscope::physics::mesh::Grid;
 use tackscope::physics::pattern::Pattern;
 use tackscope::physics::system::System;
 use tackscope::physics::theory::jkr::{Jkr, PeriodicJkr};
-use tackscope::physics::theory::{flat, ridge};
-use tackscope::scene::part::Part;
-use tackscope::scene::{Points, Scene, Turn};
+use tackscope::physics::theory::{flat_limits, ridge};
+use tackscope::scene::{Part, Points, Scene, Turn};
 
 pub fn diagram(scene: &Scene, part: Part) -> Diagram {
     let found = Diagram::of(scene, part, &Cancel::default(), &mut |_, _, _| {}).unwrap();
@@ -81,7 +80,7 @@ fn fig_2_has_one_square_branch_one_of_ridges_and_two_that_join_them() {
     assert_eq!(names, ["flat", "square", "ridge", "mixed_1", "mixed_2"]);
 
     let model = scene.model().unwrap();
-    let (low, high) = flat::limits(&model.law, model.grid.length).unwrap();
+    let (low, high) = flat_limits(&model.law, model.grid.length).unwrap();
     for name in ["square", "ridge"] {
         assert_eq!(branch(&found, name).ending, Ending::Flat);
         assert_eq!(ends(branch(&found, name)), [high, low], "{name}");

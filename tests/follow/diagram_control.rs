@@ -8,12 +8,11 @@ use std::f64::consts::PI;
 use tackscope::follow::diagram::{Branch, Diagram, Kind};
 use tackscope::follow::record::{Cause, JumpRecord};
 use tackscope::follow::walk::{Progress, Walk, WalkOptions};
-use tackscope::numerics::cancel::Cancel;
+use tackscope::numerics::threads::Cancel;
 use tackscope::physics::control::Control;
 use tackscope::physics::law::{Mie, Morse, Shape};
 use tackscope::physics::pattern::Pattern;
-use tackscope::scene::Points;
-use tackscope::scene::part::Part;
+use tackscope::scene::{Part, Points};
 use tackscope::solver::methods::MethodKind;
 
 const DRIVE: [f64; 3] = [4.2, 0.2, 0.1];

@@ -5,15 +5,14 @@ use ndarray::Array2;
 use tackscope::follow::record::{Cause, JumpRecord};
 use tackscope::follow::run::LoopRun;
 use tackscope::follow::walk::{Observed, Progress, Walk};
-use tackscope::numerics::cancel::Cancel;
+use tackscope::numerics::threads::Cancel;
 use tackscope::physics::indenter::{Indenter, Wave};
-use tackscope::scene::part::Part;
-use tackscope::scene::{Points, Range, Scene, Turn};
+use tackscope::scene::{Part, Points, Range, Scene, Turn};
 use tackscope::solver::methods::MethodKind;
-use tackscope::storage::presets;
+use tackscope::storage;
 
 fn wavy() -> Scene {
-    let mut scene = presets::resolve("wavy").unwrap();
+    let mut scene = storage::resolve("wavy").unwrap();
     scene.cell.points = Points::Square(32);
     scene.law.range = Range::Length(0.3);
     scene
@@ -111,7 +110,7 @@ fn jumps_on_waves_do_not_depend_on_seed_or_step() {
 
 #[test]
 fn gentle_ground_jumps_where_flat_ground_does() {
-    let flat = presets::resolve("fig2").unwrap();
+    let flat = storage::resolve("fig2").unwrap();
     let gentle = |points, amplitude| {
         let mut scene = flat.clone();
         (scene.cell.points, scene.drive.step) = (Points::Square(points), 0.05);
@@ -135,7 +134,7 @@ fn gentle_ground_jumps_where_flat_ground_does() {
 
 #[test]
 fn steps_longer_than_a_pattern_lives_find_every_pattern() {
-    let scene = presets::resolve("fig2").unwrap();
+    let scene = storage::resolve("fig2").unwrap();
     let run = |step| {
         let mut scene = scene.clone();
         (scene.cell.points, scene.drive.step) = (Points::Square(48), step);
@@ -194,7 +193,7 @@ fn standing_at(scene: &Scene, places: &[f64]) -> Walk {
 
 #[test]
 fn steps_of_any_size_find_the_same_end_for_the_same_cause() {
-    let mut scene = presets::resolve("fig2").unwrap();
+    let mut scene = storage::resolve("fig2").unwrap();
     (scene.cell.points, scene.drive.step) = (Points::Square(40), 0.1);
     let (down, up) = (scene.depth(), scene.drive.start);
     // Bulge, ridge and dimple on the way down, dimple, ridge and bulge on the way up, each some 0.2
@@ -237,7 +236,7 @@ fn steps_of_any_size_find_the_same_end_for_the_same_cause() {
 
 #[test]
 fn a_thousand_extrapolations_leave_a_real_field_in_its_place() {
-    let mut scene = presets::resolve("fig2").unwrap();
+    let mut scene = storage::resolve("fig2").unwrap();
     (scene.cell.points, scene.drive.step) = (Points::Square(48), 0.1);
     let there = standing_at(&scene, &[3.09]);
     scene.drive.step = 1e-4;

@@ -4,12 +4,11 @@ use crate::loops::{preset, walked};
 use tackscope::follow::diagram::Diagram;
 use tackscope::follow::record::StateRecord;
 use tackscope::follow::run::LoopRun;
-use tackscope::numerics::cancel::Cancel;
+use tackscope::numerics::threads::Cancel;
 use tackscope::physics::body::{Body, Layer};
 use tackscope::physics::control::Control;
-use tackscope::physics::theory::flat;
-use tackscope::scene::part::{Part, Strategy};
-use tackscope::scene::{Model, Points, Scene, Turn};
+use tackscope::physics::theory::flat_limits;
+use tackscope::scene::{Model, Part, Points, Scene, Strategy, Turn};
 use tackscope::study::plan::{plan, refusal};
 
 fn over(mut scene: Scene, thickness: f64, poisson: f64) -> Scene {
@@ -133,7 +132,7 @@ fn the_diagram_of_a_film_has_every_bifurcation_of_the_flat_state_and_says_what_i
         "{:?}",
         diagram.missing
     );
-    let (lower, upper) = flat::limits(&model.law, model.equivalent_length).unwrap();
+    let (lower, upper) = flat_limits(&model.law, model.equivalent_length).unwrap();
     let places: Vec<f64> = diagram
         .events()
         .map(|event| event.1.state.mean_displacement)

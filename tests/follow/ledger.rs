@@ -7,13 +7,12 @@ use std::f64::consts::PI;
 use tackscope::follow::record::{Cause, Direction, JumpRecord, LoopRecord};
 use tackscope::follow::run::{Outcome, run_loop};
 use tackscope::follow::walk::{Observed, Progress, Stuck, Walk, WalkOptions};
-use tackscope::numerics::cancel::Cancel;
+use tackscope::numerics::threads::Cancel;
 use tackscope::physics::indenter::{Hertz, Indenter};
 use tackscope::physics::law::{Law, Mie, Morse, Shape};
 use tackscope::physics::pattern::Pattern;
-use tackscope::physics::theory::flat;
-use tackscope::scene::part::Part;
-use tackscope::scene::{Drive, Points, Scene, Turn};
+use tackscope::physics::theory::flat_limits;
+use tackscope::scene::{Drive, Part, Points, Scene, Turn};
 use tackscope::solver::Stop;
 use tackscope::solver::methods::MethodKind;
 
@@ -117,7 +116,7 @@ impl Ridge {
 /// of gamma.
 fn exact_jumps(law: Law, length: f64) -> [(f64, f64); 2] {
     let ridge = Ridge { law, length, n: 64 };
-    let (_, limit) = flat::limits(&law, length).unwrap();
+    let (_, limit) = flat_limits(&law, length).unwrap();
     let mut faint = vec![0.0; 33];
     (faint[0], faint[1]) = (limit, 0.02);
     let (faint, _) = ridge.solve(faint).expect("a faint ridge");
@@ -237,7 +236,7 @@ fn patterns_that_come_and_go_continuously_do_so_at_the_limits_and_release_nothin
                 && tally.transitions > 0,
             "{tally}"
         );
-        let (lower, upper) = flat::limits(&law, length).unwrap();
+        let (lower, upper) = flat_limits(&law, length).unwrap();
         for jump in &run.record.jumps {
             assert!(jump.released_energy >= 0.0, "{jump:?}");
             if jump.cause == Cause::Transition {

@@ -3,15 +3,15 @@
 use std::f64::consts::TAU;
 use tackscope::follow::record::{Cause, JumpRecord, StateRecord};
 use tackscope::follow::walk::{Observed, Progress, Push, Walk};
-use tackscope::numerics::cancel::Cancel;
+use tackscope::numerics::threads::Cancel;
 use tackscope::physics::pattern::Pattern;
 use tackscope::scene::{Points, Scene};
 use tackscope::solver::Stop;
 use tackscope::solver::methods::MethodKind;
-use tackscope::storage::presets;
+use tackscope::storage;
 
 fn fig2(n: usize) -> Scene {
-    let mut scene = presets::resolve("fig2").unwrap();
+    let mut scene = storage::resolve("fig2").unwrap();
     scene.cell.points = Points::Square(n);
     scene
 }

@@ -4,11 +4,10 @@ use crate::loops::{assert_same_jumps, preset, walked};
 use std::sync::OnceLock;
 use tackscope::follow::record::{Cause, Direction, JumpRecord};
 use tackscope::follow::run::{LoopRun, Outcome, run_loop};
-use tackscope::numerics::cancel::Cancel;
+use tackscope::numerics::threads::Cancel;
 use tackscope::physics::pattern::Pattern::{self, Bulge, Dimple, Flat, Ridge};
-use tackscope::physics::theory::{flat, ridge};
-use tackscope::scene::part::Part;
-use tackscope::scene::{Points, Scene, Turn};
+use tackscope::physics::theory::{critical_length, flat_limits, ridge};
+use tackscope::scene::{Part, Points, Scene, Turn};
 use tackscope::solver::Stop;
 use tackscope::solver::methods::MethodKind;
 use tackscope::storage::scene_file;
@@ -236,7 +235,7 @@ fn fig_3_has_no_bulge_and_loses_three_to_four_times_as_much() {
 fn a_cell_below_the_critical_length_has_no_hysteresis() {
     let scene = preset("no-hysteresis");
     let model = scene.model().unwrap();
-    assert!(scene.cell.length < flat::critical_length(&model.law));
+    assert!(scene.cell.length < critical_length(&model.law));
     let run = walked(&scene, Part::Whole);
     assert!(run.record.jumps.is_empty());
     assert!(dissipated(&run, &scene).abs() < 1e-6);
@@ -347,7 +346,7 @@ fn the_papers_method_stands_behind_the_same_interface_and_says_that_it_has_not_c
 #[test]
 fn a_trace_of_the_softest_modulation_on_a_ridge_is_not_taken_for_a_sliding_mode() {
     use tackscope::follow::walk::{Progress, Walk};
-    use tackscope::numerics::vector::{add, dot, norm};
+    use tackscope::numerics::dense::{add, dot, norm};
     use tackscope::solver::mechanics::{Mechanics, Slides};
     let mut walk = Walk::start(
         &preset("fig2"),
@@ -400,7 +399,7 @@ fn every_law_runs_the_four_patterns_on_flat_ground() {
         scene.law.shape = shape;
         scene.law.range = Range::MuRho(0.387);
         let model = scene.model().unwrap();
-        let (lower, upper) = flat::limits(&model.law, model.grid.length).unwrap();
+        let (lower, upper) = flat_limits(&model.law, model.grid.length).unwrap();
         let (rest, width) = (model.law.equilibrium_gap(), upper - lower);
         scene.drive = Drive {
             control: Default::default(),

@@ -4,20 +4,19 @@
 use tackscope::follow::record::JumpRecord;
 use tackscope::follow::run::{LoopRun, Outcome, run_loop};
 use tackscope::follow::walk::WalkOptions;
-use tackscope::numerics::cancel::Cancel;
+use tackscope::numerics::threads::Cancel;
 use tackscope::physics::body::Body;
 use tackscope::physics::indenter::Indenter;
 use tackscope::physics::law::{Law, Shape};
-use tackscope::physics::theory::flat;
-use tackscope::scene::part::Part;
-use tackscope::scene::{Cell, Drive, LawChoice, Points, Range, Scene, Turn};
+use tackscope::physics::theory::{critical_length, flat_limits};
+use tackscope::scene::{Cell, Drive, LawChoice, Part, Points, Range, Scene, Turn};
 use tackscope::solver::methods::MethodKind;
-use tackscope::storage::presets;
+use tackscope::storage;
 use tackscope::study::plan::{plan, run_planned};
 
 /// A built-in scene.
 pub fn preset(name: &str) -> Scene {
-    presets::resolve(name).unwrap()
+    storage::resolve(name).unwrap()
 }
 
 /// The same on another mesh.
@@ -67,8 +66,8 @@ pub fn flat_ground(shape: Shape, periods: f64, points: Points) -> Scene {
         surface_energy: 0.15,
         range: 1.0,
     };
-    let length = periods * flat::critical_length(&law);
-    let (low, high) = flat::limits(&law, length).unwrap();
+    let length = periods * critical_length(&law);
+    let (low, high) = flat_limits(&law, length).unwrap();
     Scene {
         title: String::new(),
         source: String::new(),

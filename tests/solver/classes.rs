@@ -7,9 +7,9 @@ use ndarray::Array2;
 use proptest::prelude::*;
 use std::f64::consts::PI;
 use tackscope::physics::body::{Body, Layer};
-use tackscope::physics::grid::Grid;
 use tackscope::physics::indenter::Indenter;
 use tackscope::physics::low_block::{Class, LowBlock};
+use tackscope::physics::mesh::Grid;
 use tackscope::physics::system::{Fields, System};
 
 const N: usize = 16;

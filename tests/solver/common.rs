@@ -4,10 +4,10 @@ use std::sync::OnceLock;
 use tackscope::follow::record::{Direction, JumpRecord, StateRecord};
 use tackscope::follow::run::{LoopRun, run_loop};
 use tackscope::follow::walk::{Observed, Progress, Walk, WalkOptions};
-use tackscope::numerics::cancel::Cancel;
-use tackscope::physics::grid::Grid;
+use tackscope::numerics::threads::Cancel;
 use tackscope::physics::indenter::Indenter;
 use tackscope::physics::law::{Law, Morse, Shape};
+use tackscope::physics::mesh::Grid;
 use tackscope::physics::pattern::Pattern;
 use tackscope::physics::system::System;
 use tackscope::scene::{Points, Scene};
@@ -17,14 +17,14 @@ use tackscope::solver::equilibrium::Equilibrium;
 use tackscope::solver::mechanics::{Mechanics, Slides};
 use tackscope::solver::method::Method;
 use tackscope::solver::methods::MethodKind;
-use tackscope::storage::presets;
+use tackscope::storage;
 
 /// Points of the mesh on which patterns are looked at: the coarsest that does not trap them.
 pub const N: usize = 48;
 
 /// Fig. 2 on n x n points.
 pub fn fig2(n: usize, step: f64) -> Scene {
-    let mut scene = presets::resolve("fig2").unwrap();
+    let mut scene = storage::resolve("fig2").unwrap();
     scene.cell.points = Points::Square(n);
     scene.drive.step = step;
     scene

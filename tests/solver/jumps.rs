@@ -4,8 +4,8 @@ use super::common::{Bench, N, bulge, fig2, go, history, looped, ridge, walk_by};
 use std::process::{Command, Stdio};
 use tackscope::follow::run::Outcome;
 use tackscope::follow::walk::{Progress, Stuck};
-use tackscope::numerics::cancel::Cancel;
-use tackscope::numerics::vector::norm;
+use tackscope::numerics::dense::norm;
+use tackscope::numerics::threads::Cancel;
 use tackscope::physics::system::State;
 use tackscope::scene::{Points, Range, Scene};
 use tackscope::solver::branch::{History, distance};
@@ -16,7 +16,7 @@ use tackscope::solver::method::Method;
 use tackscope::solver::methods::MethodKind;
 use tackscope::solver::newton::{NewtonEnd, NewtonLimits, centred, descend, solve};
 use tackscope::solver::{Lost, Stop, branch};
-use tackscope::storage::{presets, scene_file};
+use tackscope::storage::{self, scene_file};
 
 /// A method that climbs: each state is rougher than the one before, and said to be converged.
 struct Climber;
@@ -220,7 +220,7 @@ fn newton_labours_on_a_pattern_between_mesh_points_and_not_on_a_centred_one() {
 
 /// A line of 16 points with the range that `mu_rho` gives.
 fn line(mu_rho: f64) -> Scene {
-    let mut scene = presets::resolve("ridge-line").unwrap();
+    let mut scene = storage::resolve("ridge-line").unwrap();
     scene.cell.points = Points::Line(16);
     scene.law.range = Range::MuRho(mu_rho);
     let range = scene.model().unwrap().law.range;

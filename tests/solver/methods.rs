@@ -3,16 +3,16 @@
 use super::common::{N, fig2, looped, visited};
 use tackscope::follow::record::{Direction, JumpRecord};
 use tackscope::follow::run::{LoopRun, Outcome, run_loop};
-use tackscope::numerics::cancel::Cancel;
+use tackscope::numerics::threads::Cancel;
 use tackscope::physics::pattern::Pattern::{Bulge, Dimple, Flat, Ridge};
 use tackscope::scene::{Points, Scene};
 use tackscope::solver::Stop;
 use tackscope::solver::methods::MethodKind;
-use tackscope::storage::presets;
+use tackscope::storage;
 
 /// Fig. 2 on the coarsest mesh that does not trap patterns, in steps of twice the preset's.
 fn scene() -> Scene {
-    let mut scene = presets::resolve("fig2").unwrap();
+    let mut scene = storage::resolve("fig2").unwrap();
     scene.cell.points = Points::Square(48);
     scene.drive.step = 0.04;
     scene

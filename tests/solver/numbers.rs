@@ -3,8 +3,8 @@
 use super::common::{Bench, N, bulge, dimple, fig2, go, law, looped, walk_by};
 use tackscope::follow::run::Outcome;
 use tackscope::follow::walk::Progress;
+use tackscope::numerics::dense::{add, norm};
 use tackscope::numerics::precision::Precision;
-use tackscope::numerics::vector::{add, norm};
 use tackscope::physics::law::{Law, Mie, Shape};
 use tackscope::scene::{LawChoice, Range, Turn};
 use tackscope::solver::Lost;

@@ -2,19 +2,18 @@
 
 use tackscope::follow::run::{LoopRun, Outcome, run_loop};
 use tackscope::follow::walk::WalkOptions;
-use tackscope::numerics::cancel::Cancel;
+use tackscope::numerics::dense::{add, max_abs, norm, scale};
 use tackscope::numerics::precision::Precision;
-use tackscope::numerics::vector::{add, max_abs, norm, scale};
-use tackscope::physics::grid::Grid;
+use tackscope::numerics::threads::Cancel;
 use tackscope::physics::indenter::Indenter;
 use tackscope::physics::law::{Law, Morse, Shape};
+use tackscope::physics::mesh::Grid;
 use tackscope::physics::system::System;
-use tackscope::scene::part::Part;
-use tackscope::scene::{Points, Scene};
+use tackscope::scene::{Part, Points, Scene};
 use tackscope::solver::Stop;
 use tackscope::solver::methods::MethodKind;
 use tackscope::solver::stability::random_smooth;
-use tackscope::storage::presets;
+use tackscope::storage;
 
 const LAW: Law = Law {
     shape: Shape::Morse(Morse),
@@ -23,7 +22,7 @@ const LAW: Law = Law {
 };
 
 fn looped(precision: Precision, part: Part) -> LoopRun {
-    let mut scene: Scene = presets::resolve("fig2").unwrap();
+    let mut scene: Scene = storage::resolve("fig2").unwrap();
     scene.cell.points = Points::Square(48);
     scene.drive.step = 0.04;
     let run = run_loop(

@@ -3,9 +3,9 @@
 use super::common::{Bench, bulge, dimple, fig2, go, history, walk_by};
 use rand::SeedableRng;
 use tackscope::follow::walk::{Progress, Walk};
-use tackscope::numerics::cancel::Cancel;
+use tackscope::numerics::dense::{add, norm};
 use tackscope::numerics::eigen::{EigenLimits, smallest};
-use tackscope::numerics::vector::{add, norm};
+use tackscope::numerics::threads::Cancel;
 use tackscope::physics::pattern::Pattern;
 use tackscope::solver::Lost;
 use tackscope::solver::Stop;
@@ -214,7 +214,7 @@ fn sliding_modes_would_always_read_zero_and_are_left_out() {
     let mut image = vec![0.0; state.state.amplitudes.len()];
     for mode in &slides {
         bench.mechanics.hessian(&state.fields, mode, &mut image);
-        let stiffness = tackscope::numerics::vector::dot(mode, &image) * 256.0;
+        let stiffness = tackscope::numerics::dense::dot(mode, &image) * 256.0;
         assert!(stiffness.abs() < 0.02, "{stiffness}");
     }
     let mut labelled = state;

@@ -4,17 +4,17 @@ use proptest::prelude::*;
 use rand::SeedableRng;
 use rand_pcg::Pcg64;
 use tackscope::follow::walk::{Progress, Walk};
-use tackscope::numerics::cancel::Cancel;
-use tackscope::physics::grid::Grid;
+use tackscope::numerics::threads::Cancel;
 use tackscope::physics::indenter::Indenter;
 use tackscope::physics::law::{Law, Morse, Shape};
+use tackscope::physics::mesh::Grid;
 use tackscope::physics::pattern::Pattern;
 use tackscope::physics::system::{System, carried};
 use tackscope::scene::{Points, Scene};
 use tackscope::solver::mechanics::{Mechanics, Slides};
 use tackscope::solver::methods::MethodKind;
 use tackscope::solver::stability::{Tracker, random_smooth};
-use tackscope::storage::presets;
+use tackscope::storage;
 
 const LAW: Law = Law {
     shape: Shape::Morse(Morse),
@@ -29,7 +29,7 @@ fn system(n: usize) -> System {
 
 /// The state of Fig. 2 on n = 64 after going to these places in turn.
 fn state(places: &[f64]) -> (Pattern, f64, Vec<f64>) {
-    let mut scene: Scene = presets::resolve("fig2").unwrap();
+    let mut scene: Scene = storage::resolve("fig2").unwrap();
     scene.cell.points = Points::Square(64);
     let mut walk =
         Walk::start(&scene, MethodKind::NewtonKrylov.into(), &Cancel::default()).unwrap();

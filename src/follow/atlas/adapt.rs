@@ -4,7 +4,7 @@
 use super::curve::{Branch, End};
 use super::trace::{recross, returned};
 use super::{Atlas, Meshes, Place};
-use crate::numerics::vector::add;
+use crate::numerics::dense::add;
 use crate::physics::control::Control;
 use crate::physics::system::carried;
 use crate::solver::Lost;

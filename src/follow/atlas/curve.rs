@@ -1,6 +1,6 @@
 //! A branch as a curve: stress and energy between nodes, and how well they fit together.
 
-use crate::numerics::vector::{add, hermite};
+use crate::numerics::dense::{add, hermite};
 use crate::physics::control::Control;
 use crate::physics::pattern::Pattern;
 use crate::physics::theory::boundary;

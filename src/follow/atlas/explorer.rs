@@ -2,7 +2,7 @@
 //! pattern it is.
 
 use crate::follow::contest::{FLAT_KICK, KICK, angle, tried};
-use crate::numerics::vector::{add, norm, scale};
+use crate::numerics::dense::{add, norm, scale};
 use crate::physics::control::Control;
 use crate::physics::pattern::{Pattern, classify};
 use crate::physics::system::{Evaluation, State, System};

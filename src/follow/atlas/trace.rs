@@ -2,10 +2,10 @@
 
 use super::curve::{End, Support, between, guess};
 use crate::follow::record::LOCATED;
-use crate::numerics::vector::{add, norm};
+use crate::numerics::dense::{add, norm};
 use crate::physics::control::Control;
 use crate::physics::system::Fields;
-use crate::physics::theory::{boundary, flat};
+use crate::physics::theory::{boundary, critical_length};
 use crate::solver::Lost;
 use crate::solver::branch::distance;
 use crate::solver::sector::{NODE, Node, SHARP, Sector, Side};
@@ -82,7 +82,7 @@ fn trace(
 ) -> Result<(Vec<Node>, End), Lost> {
     let range = sector.system().law().range;
     let sign = side.sign();
-    let periods = sector.system().grid().length / flat::critical_length(sector.system().law());
+    let periods = sector.system().grid().length / critical_length(sector.system().law());
     let aim = AIM * (periods / 3.0).clamp(1.0, 3.0);
     let mut nodes: Vec<Node> = Vec::new();
     let mut step = FIRST * range;

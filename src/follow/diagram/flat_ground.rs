@@ -6,16 +6,16 @@ use super::meeting::{Ends, Meeting};
 use super::trace::Tracer;
 use super::{Branch, Diagram, Ending, Kind, Observe, Point};
 use crate::follow::atlas::Meshes;
-use crate::numerics::cancel::Cancel;
-use crate::numerics::vector::norm;
+use crate::numerics::dense::norm;
+use crate::numerics::threads::Cancel;
 use crate::physics::control::Control;
-use crate::physics::grid::Grid;
 use crate::physics::indenter::Indenter;
 use crate::physics::low_block::{Class, LowBlock};
+use crate::physics::mesh::Grid;
 use crate::physics::pattern::Pattern;
 use crate::physics::preconditioner::class_reach;
 use crate::physics::system::{State, System, carried};
-use crate::physics::theory::flat;
+use crate::physics::theory::{critical_length, flat_limits};
 use crate::scene::{Model, Scene, Turn};
 use crate::solver::continuation::way;
 use crate::solver::index::{Index, Symmetry};
@@ -70,7 +70,7 @@ pub(super) fn fill(
 ) {
     let (length, control) = (model.grid.length, diagram.control);
     diagram.branches.push(flat_state(scene, model, control));
-    let Some(limits) = flat::limits(&model.law, model.equivalent_length) else {
+    let Some(limits) = flat_limits(&model.law, model.equivalent_length) else {
         return;
     };
     if !model.body.is_softest_at_its_longest(&model.grid) {
@@ -118,7 +118,7 @@ fn flat_state(scene: &Scene, model: &Model, control: Control) -> Branch {
     };
     // Waves that can soften and that the mesh has, by the square of their number of periods, with
     // how many there are of each. A layer is stiffer to each than a half-space.
-    let softest = (length / flat::critical_length(&law)).floor() as i64;
+    let softest = (length / critical_length(&law)).floor() as i64;
     let most = softest.min(model.grid.nx as i64 / 2);
     let across = if model.grid.is_line() { 0 } else { most };
     let mut waves: BTreeMap<i64, usize> = BTreeMap::new();
@@ -145,7 +145,7 @@ fn flat_state(scene: &Scene, model: &Model, control: Control) -> Branch {
         .iter()
         .map(|(length, _)| (*length, Kind::Bifurcation))
         .chain([(PI / control.stiffness(), Kind::Fold)])
-        .filter_map(|(length, kind)| Some((flat::limits(&law, length)?, kind)))
+        .filter_map(|(length, kind)| Some((flat_limits(&law, length)?, kind)))
         .flat_map(|((low, high), kind)| [(low, kind), (high, kind)])
         .filter(|(u0, _)| turn < *u0 && *u0 < start)
         .chain([(start, Kind::Regular), (turn, Kind::Regular)])

@@ -2,7 +2,7 @@
 
 use super::trace::{Start, Tracer};
 use super::{Branch, Diagram, Ending, Kind, Observe, Point};
-use crate::numerics::vector::{dot, norm};
+use crate::numerics::dense::{dot, norm};
 use crate::physics::pattern::Pattern;
 use crate::physics::system::State;
 use crate::solver::Lost;

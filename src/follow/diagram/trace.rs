@@ -1,7 +1,7 @@
 //! One branch followed to its end, with its folds and bifurcations located.
 
 use super::{Ending, Kind, Point};
-use crate::numerics::vector::{add, dot, norm};
+use crate::numerics::dense::{add, dot, norm};
 use crate::physics::control::Control;
 use crate::physics::pattern::Pattern;
 use crate::physics::system::{Fields, State};

@@ -5,13 +5,13 @@ use crate::follow::atlas::{Explorer, Rest};
 use crate::follow::contest::{mixture, shares};
 use crate::follow::flat_branch::FlatBranch;
 use crate::follow::record::{Cause, Direction, JumpRecord, LOCATED};
-use crate::numerics::vector::norm;
+use crate::numerics::dense::norm;
 use crate::physics::control::Control;
 use crate::physics::indenter::Indenter;
 use crate::physics::pattern::Pattern;
 use crate::physics::system::System;
-use crate::physics::theory::flat;
-use crate::scene::part::no_quarter;
+use crate::physics::theory::flat_limits;
+use crate::scene::no_quarter;
 use crate::solver::Lost;
 use crate::solver::Stop;
 use crate::solver::branch::History;
@@ -83,7 +83,7 @@ impl Walk {
             return f64::INFINITY;
         }
         let law = self.mechanics.system.law();
-        let Some((_, upper)) = flat::limits(law, self.model.equivalent_length) else {
+        let Some((_, upper)) = flat_limits(law, self.model.equivalent_length) else {
             return f64::INFINITY;
         };
         let free = self

@@ -8,7 +8,7 @@
 use super::landing::Leaving;
 use super::{Observed, Progress, Walk};
 use crate::follow::record::Cause;
-use crate::physics::mesh_rule;
+use crate::physics::mesh;
 use crate::physics::pattern::{contact_set, moves_by_a_spacing};
 use crate::solver::Stop;
 use crate::solver::equilibrium::Equilibrium;
@@ -90,7 +90,7 @@ impl Walk {
     /// spacings long have no such jumps.
     pub(super) fn is_of_the_mesh(&mut self, left: &Equilibrium) -> bool {
         let law = self.model.law;
-        if law.is_smooth() && mesh_rule::is_safe(self.model.mu_rho) {
+        if law.is_smooth() && mesh::is_safe(self.model.mu_rho) {
             return false;
         }
         let contact = |of: &Equilibrium| {

@@ -4,7 +4,7 @@
 use super::landing::EVENT;
 use super::{Behind, Jumping, Observed, Phase, Walk};
 use crate::follow::record::{Cause, JumpRecord};
-use crate::numerics::vector::add;
+use crate::numerics::dense::add;
 use crate::physics::system::Evaluation;
 use crate::solver::branch::History;
 use crate::solver::equilibrium::Equilibrium;

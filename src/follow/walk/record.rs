@@ -5,8 +5,8 @@ use super::{Observed, Walk};
 use crate::follow::flat_branch::FlatBranch;
 use crate::follow::record::{Cause, Direction, JumpRecord, StateRecord};
 use crate::physics::pattern::{Pattern, classify, contact_area};
-use crate::physics::theory::flat;
-use crate::scene::part::Part;
+use crate::physics::theory::flat_limits;
+use crate::scene::Part;
 use crate::solver::equilibrium::{Cost, Equilibrium, Stiffness};
 use crate::solver::newton::{NewtonEnd, NewtonLimits, solve};
 
@@ -146,7 +146,7 @@ impl Walk {
     pub(super) fn note_transition(&self, now: Pattern, observe: &mut dyn FnMut(Observed)) {
         let Some(flat) = self.flat else { return };
         let (a, b, law) = (&self.record, &self.here.state, &self.model.law);
-        let Some(limits) = flat::limits(law, self.model.equivalent_length) else {
+        let Some(limits) = flat_limits(law, self.model.equivalent_length) else {
             return;
         };
         let (low, high) = (

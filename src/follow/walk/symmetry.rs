@@ -3,15 +3,13 @@
 //! where one goes soft.
 
 use super::{Stuck, Walk, WalkOptions, solved};
-use crate::numerics::cancel::Cancel;
-use crate::physics::grid::Grid;
+use crate::numerics::threads::Cancel;
 use crate::physics::indenter::Indenter;
 use crate::physics::low_block::Class;
-use crate::physics::mesh_rule::points_at;
+use crate::physics::mesh::{Grid, points_at};
 use crate::physics::preconditioner::class_reach;
 use crate::physics::system::{Fields, State, System};
-use crate::scene::part::Part;
-use crate::scene::{Model, Scene};
+use crate::scene::{Model, Part, Scene};
 use crate::solver::Stop;
 use crate::solver::branch::History;
 use crate::solver::class_proof::{ClassProof, Known, softest};

@@ -1,7 +1,7 @@
 //! Folds: where a branch turns back, found with u0 as an unknown beside the amplitudes.
 
 use super::{Evaluation, Fields, Lost, NODE, Node, SHARP, STEPS, Sector, Side, State};
-use crate::numerics::vector::{add, dot, hermite, norm, scale};
+use crate::numerics::dense::{add, dot, hermite, norm, scale};
 
 /// A step of a bordered solve that leaves more than this share of the force asks for fresh
 /// derivatives.
