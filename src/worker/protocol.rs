@@ -8,7 +8,7 @@ use crate::follow::walk::{Push, Walk};
 use crate::physics::system::Fields;
 use crate::scene::part::{Part, Strategy};
 use crate::scene::{Model, Scene};
-use crate::solver::equilibrium::Equilibrium;
+use crate::solver::method::Equilibrium;
 use crate::solver::methods::MethodKind;
 use crate::study::live_loop::{Fineness, LiveLoop};
 use crate::study::plan::Plan;
