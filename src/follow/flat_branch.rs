@@ -3,9 +3,9 @@
 use crate::physics::control::Control;
 use crate::physics::law::Law;
 use crate::physics::system::System;
-use crate::physics::theory::{boundary, flat_limits, flat_stiffness};
-use crate::solver::Stop;
-use crate::solver::equilibrium::{Cost, Equilibrium, Stiffness};
+use crate::physics::theory::boundary;
+use crate::physics::theory::{flat_limits, flat_stiffness};
+use crate::solver::method::{Cost, Equilibrium, Stiffness, Stop};
 use crate::solver::sector::Side;
 use std::f64::consts::PI;
 
@@ -158,7 +158,7 @@ impl FlatBranch {
 
     /// Where stability is lost on the way `from` a stable gap `to` another, as the last stable and
     /// the first unstable double found by bisection; `None` if it is not lost.
-    pub fn limit_between(&self, from: f64, to: f64) -> Option<(f64, f64)> {
+    fn limit_between(&self, from: f64, to: f64) -> Option<(f64, f64)> {
         let stable = |u: f64| self.stiffness(u) > 0.0;
         let (lower, upper) = self.unstable?;
         // The unstable gaps are one interval: the gap of the way that lies nearest to its middle

@@ -4,7 +4,7 @@
 use super::atlas::{Atlas, End, Leg, Place, Traversal, Unmapped};
 use super::record::{Direction, StateRecord};
 use super::run::{Landing, LoopRun, Outcome, Report};
-use super::walk::apart::apart;
+use super::walk::flat::apart;
 use super::walk::symmetry::{Guard, Soft, slides_on};
 use crate::numerics::threads::Cancel;
 use crate::physics::pattern::{Pattern, classify, contact_area};

@@ -9,9 +9,9 @@
 //! gamma'' is cut off above for that (a smaller gamma'' has smaller eigenvalues): what is stiff in
 //! contact is joined to waves beyond a block more strongly than their elasticity allows for.
 
-use super::equilibrium::Stiffness;
 use super::index::Symmetry;
 use super::mechanics::{Mechanics, Rates, Slides};
+use super::method::Stiffness;
 use super::stability::PROVED;
 use crate::numerics::dense::{add, dot, norm, scale};
 use crate::physics::low_block::{Class, LowBlock};

@@ -11,8 +11,8 @@
 //! for the Hessian H, the force g = dV/dz, its derivative f with u0 and the direction t of the
 //! branch: regular at folds, where H is not.
 
-use super::Lost;
 use super::mechanics::{Mechanics, Rates};
+use super::method::Lost;
 use crate::numerics::dense::{add, dot, hermite, norm, project_out, scale};
 use crate::numerics::krylov::{CgLimits, minimal_residual};
 use crate::physics::system::{Evaluation, Fields, State};

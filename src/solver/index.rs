@@ -7,8 +7,8 @@
 //! it is too stiff by a hundredth of the longest wave: where an eigenvalue of it is small the class
 //! is looked at over all waves of the mesh.
 
-use super::equilibrium::Lost;
 use super::mechanics::{Mechanics, Rates, Slides, preconditioner_stiffness};
+use super::method::Lost;
 use super::stability::Tracker;
 use crate::numerics::eigen::{EigenLimits, EigenPairs, smallest};
 use crate::physics::low_block::{Class, LowBlock, Unfolding};

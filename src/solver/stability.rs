@@ -7,8 +7,8 @@
 //! From one state to another an eigenvalue falls by no more than gamma'' does anywhere on the mesh
 //! (H. Weyl): where that leaves room the last proof still holds, and costs nothing.
 
-use super::equilibrium::{Lost, Stiffness};
 use super::mechanics::Mechanics;
+use super::method::{Lost, Stiffness};
 pub use super::proof::CHANCE;
 use super::proof::{Proof, Proved, prove, prove_capped};
 use crate::numerics::dense::{add, dot, norm, project_out, scale};

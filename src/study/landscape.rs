@@ -17,7 +17,7 @@ use crate::scene::{Model, Scene};
 use crate::solver::Lost;
 use crate::solver::continuation::way;
 use crate::solver::mechanics::Mechanics;
-use crate::solver::steepest::descend;
+use crate::solver::release::steepest_descent;
 use ndarray::Array2;
 use std::f64::consts::PI;
 use std::sync::Arc;
@@ -466,7 +466,7 @@ fn down(mechanics: &mut Mechanics, saddle: &Evaluation, mode: &[f64]) -> Result<
             is_off = is_load && pull < OFF * at.state.control;
             !is_off
         };
-        from = descend(mechanics, &from, &mode, &mut observe)?;
+        from = steepest_descent(mechanics, &from, &mode, &mut observe)?;
         if is_off {
             return Ok(places);
         }

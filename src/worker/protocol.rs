@@ -7,7 +7,7 @@ use crate::follow::record::{JumpRecord, LoopRecord, StateRecord};
 use crate::follow::walk::{Push, Walk};
 use crate::physics::system::Fields;
 use crate::scene::{Model, Part, Scene, Strategy};
-use crate::solver::equilibrium::Equilibrium;
+use crate::solver::method::Equilibrium;
 use crate::solver::methods::MethodKind;
 use crate::study::live_loop::{Fineness, LiveLoop};
 use crate::study::plan::ModelChoice;

@@ -1,7 +1,7 @@
 //! Modes over even patterns, class by class: together they are the modes of the whole cell, and a
 //! class is bounded from below by its longest waves alone.
 
-use super::common::law;
+use super::common::LAW;
 use nalgebra::DMatrix;
 use ndarray::Array2;
 use proptest::prelude::*;
@@ -89,7 +89,7 @@ fn most_below(
 }
 
 fn even(body: Body) -> System {
-    System::even(Grid::square(60.0, N), law(), &Indenter::Flat).with_body(body)
+    System::even(Grid::square(60.0, N), LAW, &Indenter::Flat).with_body(body)
 }
 
 proptest! {

@@ -3,9 +3,8 @@
 
 use crate::loops::{preset, preset_on};
 use std::f64::consts::PI;
-use tackscope::follow::contest::Share;
 use tackscope::follow::flat_branch::FlatBranch;
-use tackscope::follow::record::{Cause, Direction, JumpRecord, LoopRecord, StateRecord};
+use tackscope::follow::record::{Cause, Direction, JumpRecord, LoopRecord, Share, StateRecord};
 use tackscope::follow::walk::{Observed, Progress, Walk, WalkOptions};
 use tackscope::numerics::threads::Cancel;
 use tackscope::physics::body::{Body, Layer};
@@ -38,10 +37,7 @@ fn flat_explained(scene: &Scene) -> [Explanation; 2] {
     let model = scene.model().unwrap();
     let control = scene.control();
     let branch = FlatBranch::new(model.law, model.equivalent_length, control);
-    let far = 30.0 * model.law.range;
-    let (_, upper) = branch.limit_between(far, model.law.softest_gap()).unwrap();
-    let near = model.law.equilibrium_gap();
-    let (_, lower) = branch.limit_between(near, model.law.softest_gap()).unwrap();
+    let (lower, upper) = branch.unstable_gaps().unwrap();
     [(Direction::Approach, upper), (Direction::Retraction, lower)].map(|(direction, u0)| {
         let jump = JumpRecord {
             direction,

@@ -288,8 +288,7 @@ mod tests {
     use super::*;
     use crate::physics::system::{Fields, State};
     use crate::scene::Part;
-    use crate::solver::Stop;
-    use crate::solver::equilibrium::{Cost, Equilibrium};
+    use crate::solver::method::{Cost, Equilibrium, Stop};
     use ndarray::Array2;
 
     fn stored(place: usize, side: usize) -> Arc<Stored> {
