@@ -8,9 +8,9 @@ use std::hint::black_box;
 use std::time::{Duration, Instant};
 use tackscope::numerics::fourier::Fourier;
 use tackscope::numerics::threads::POINTS_MIN;
-use tackscope::physics::grid::Grid;
 use tackscope::physics::indenter::Indenter;
 use tackscope::physics::law::{Law, Morse, Shape};
+use tackscope::physics::mesh::Grid;
 use tackscope::physics::system::System;
 
 const SIDES: [usize; 5] = [64, 128, 256, 512, 1024];

@@ -17,19 +17,17 @@ use tackscope::follow::diagram::Diagram;
 use tackscope::follow::record::StateRecord;
 use tackscope::follow::run::Itinerary;
 use tackscope::follow::walk::{Observed, Progress, Walk, WalkOptions};
-use tackscope::numerics::cancel::Cancel;
 use tackscope::numerics::fourier::Fourier;
 use tackscope::numerics::precision::Precision;
+use tackscope::numerics::threads::Cancel;
 use tackscope::paper::scenes::{self, Order};
 use tackscope::paper::{Size, Task};
 use tackscope::physics::system::System;
-use tackscope::scene::part::Part;
-use tackscope::scene::{Points, Range, Scene, Turn};
-use tackscope::solver::branch::History;
-use tackscope::solver::equilibrium::Equilibrium;
+use tackscope::scene::{Part, Points, Range, Scene, Turn};
 use tackscope::solver::mechanics::{Mechanics, Slides};
+use tackscope::solver::method::{Equilibrium, History};
 use tackscope::solver::methods::MethodKind;
-use tackscope::storage::presets;
+use tackscope::storage;
 use tackscope::study::landscape::{Ground, Landscape, Standing};
 use tackscope::study::live_loop::{Fineness, LiveLoops};
 use tackscope::study::map::PatternMap;
@@ -184,7 +182,7 @@ fn pair() -> f64 {
 
 /// A preset on `n` points a side.
 fn on(preset: &str, n: usize) -> Scene {
-    let mut scene = presets::resolve(preset).expect("built in");
+    let mut scene = storage::resolve(preset).expect("built in");
     scene.cell.points = Points::Square(n);
     scene
 }

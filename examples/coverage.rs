@@ -13,14 +13,13 @@ use std::sync::Mutex;
 use std::sync::atomic::{AtomicU64, Ordering};
 use tackscope::follow::run::{Outcome, run_loop};
 use tackscope::follow::walk::WalkOptions;
-use tackscope::numerics::cancel::Cancel;
+use tackscope::numerics::threads::Cancel;
 use tackscope::physics::body::Body;
 use tackscope::physics::indenter::Indenter;
 use tackscope::physics::law::{DoubleExponential, Law, Mie, Morse, Shape};
-use tackscope::physics::mesh_rule::next_fast;
-use tackscope::physics::theory::flat;
-use tackscope::scene::part::{Part, Strategy};
-use tackscope::scene::{Cell, Drive, LawChoice, Model, Points, Range, Scene, Turn};
+use tackscope::physics::mesh::next_fast;
+use tackscope::physics::theory::{critical_length, flat_limits};
+use tackscope::scene::{Cell, Drive, LawChoice, Model, Part, Points, Range, Scene, Strategy, Turn};
 use tackscope::solver::methods::MethodKind::NewtonKrylov;
 use tackscope::study::plan::{Plan, measured_error, plan, read_off, run_planned};
 
@@ -56,10 +55,10 @@ fn random(seed: u64) -> (Scene, Option<Strategy>) {
         surface_energy: rng.random_range(0.02..0.3),
         range: 1.0,
     };
-    let length = flat::critical_length(&law) * rng.random_range(1.15..5.0);
+    let length = critical_length(&law) * rng.random_range(1.15..5.0);
     let line = rng.random_bool(0.3);
     let target = 10f64.powf(rng.random_range(-5.0..-1.0));
-    let (low, high) = flat::limits(&law, length).expect("longer than the critical length");
+    let (low, high) = flat_limits(&law, length).expect("longer than the critical length");
     let (start, bottom) = (2.2 * high + 1.0, law.equilibrium_gap());
     let scene = Scene {
         title: format!("seed {seed}"),
@@ -181,7 +180,7 @@ fn main() {
             let model = scene.model().expect("a legal scene");
             let plan = plan(&scene, &model, asked);
             let trial = trial(&scene, &model, &plan);
-            let periods = model.grid.length / flat::critical_length(&model.law);
+            let periods = model.grid.length / critical_length(&model.law);
             let Trial {
                 strategy,
                 target,

@@ -10,7 +10,7 @@ use cpu_time::ThreadTime;
 use eframe::egui::{self, Event, Id, Key, Modifiers, PointerButton, Pos2, Vec2, pos2, vec2};
 use std::error::Error;
 use std::time::{Duration, Instant};
-use tackscope::storage::presets;
+use tackscope::storage;
 use tackscope::ui::view_state::ViewState;
 use tackscope::ui::{App, begun, theme};
 
@@ -258,7 +258,7 @@ impl eframe::App for Measured {
 
 fn main() -> Result<(), Box<dyn Error>> {
     let started = Instant::now();
-    let preset = presets::find("fig2").ok_or("fig2 is built in")?;
+    let preset = storage::preset("fig2").ok_or("fig2 is built in")?;
     let state = ViewState::at_first_jump(preset.scene()?)?;
     println!("median / of 20 the longest but one / longest");
     let options = eframe::NativeOptions {

@@ -3,10 +3,10 @@
 
 use std::error::Error;
 use tackscope::follow::record::{Direction, StateRecord};
-use tackscope::numerics::cancel::Cancel;
+use tackscope::numerics::threads::Cancel;
 use tackscope::scene::Scene;
 use tackscope::solver::methods::MethodKind;
-use tackscope::storage::presets;
+use tackscope::storage;
 use tackscope::study::plan::{plan, run_planned};
 
 /// Places along a direction: as many as a small picture shows.
@@ -14,7 +14,7 @@ const PLACES: usize = 60;
 
 fn main() -> Result<(), Box<dyn Error>> {
     let chosen: Vec<String> = std::env::args().skip(1).collect();
-    let all = presets::all().iter();
+    let all = storage::presets().iter();
     for preset in all.filter(|p| chosen.is_empty() || chosen.iter().any(|name| name == p.name)) {
         let scene = preset.scene()?;
         for row in rows(&scene)? {

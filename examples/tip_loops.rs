@@ -2,7 +2,7 @@
 //!
 //! All 25 take more than an hour on one core. Arguments `MU_RHO POINTS` choose one.
 
-use tackscope::numerics::cancel::Cancel;
+use tackscope::numerics::threads::Cancel;
 use tackscope::paper::scenes::{HEAD, KEPT, Order, run};
 use tackscope::paper::{Size, Stopped, Task};
 

@@ -7,23 +7,22 @@ use std::time::{Duration, Instant};
 use tackscope::follow::record::StateRecord;
 use tackscope::follow::run::{Outcome, run_loop};
 use tackscope::follow::walk::WalkOptions;
-use tackscope::numerics::cancel::Cancel;
+use tackscope::numerics::threads::Cancel;
 use tackscope::physics::indenter::{Hertz, Indenter};
 use tackscope::physics::pattern::Pattern;
-use tackscope::scene::part::{Part, Strategy};
-use tackscope::scene::{Points, Range, Scene, Turn};
+use tackscope::scene::{Part, Points, Range, Scene, Strategy, Turn};
 use tackscope::solver::methods::MethodKind;
-use tackscope::storage::presets;
+use tackscope::storage;
 use tackscope::study::chart::Effort;
 use tackscope::study::live_loop::Fineness;
 use tackscope::worker::background::{self, Page, PageContent};
 use tackscope::worker::job::Job;
-use tackscope::worker::protocol::{Command, Envelope, Event, Failure, Frame, Speed, Sweep};
+use tackscope::worker::protocol::{Command, Envelope, Event, Failure, Frame, Play, Speed, Sweep};
 use tackscope::worker::session::Session;
 use tackscope::worker::{SolverHandle, Worker};
 
 fn fig2(points: usize) -> Scene {
-    let mut scene = presets::resolve("fig2").unwrap();
+    let mut scene = storage::resolve("fig2").unwrap();
     scene.cell.points = Points::Square(points);
     scene
 }
@@ -49,11 +48,23 @@ fn wished(run: u64, scene: Scene, asked: Option<Strategy>) -> Envelope<Command> 
 }
 
 fn target(run: u64, motion: u64, control: f64) -> Envelope<Command> {
-    of(run, Command::SetTarget { motion, control })
+    of(
+        run,
+        Command::Play {
+            motion,
+            play: Play::ToTarget(control),
+        },
+    )
 }
 
 fn sweep(run: u64, motion: u64, sweep: Sweep) -> Envelope<Command> {
-    of(run, Command::Sweep { motion, sweep })
+    of(
+        run,
+        Command::Play {
+            motion,
+            play: Play::Sweep(sweep),
+        },
+    )
 }
 
 /// Steps a session by hand, at no pace, until it rests; returns everything it handed out.
@@ -248,7 +259,13 @@ fn stop_is_answered_in_the_middle_of_a_large_increment_and_the_thread_goes_on() 
     );
     std::thread::sleep(Duration::from_millis(30));
     let begin = Instant::now();
-    worker.send(of(1, Command::Stop { motion: 2 }));
+    worker.send(of(
+        1,
+        Command::Play {
+            motion: 2,
+            play: Play::Rest,
+        },
+    ));
     await_event(&worker, |_, e| matches!(e, Event::Rest { .. }));
     let answered = begin.elapsed();
     println!("stop answered after {answered:?}");
@@ -294,13 +311,32 @@ fn every_rest_names_the_motion_it_ends_and_an_older_motion_is_dropped() {
     assert_eq!(
         rests(&drain(
             &mut session,
-            vec![of(1, Command::Stop { motion: 2 }), sweep]
+            vec![
+                of(
+                    1,
+                    Command::Play {
+                        motion: 2,
+                        play: Play::Rest
+                    }
+                ),
+                sweep
+            ]
         )),
         [2, 3]
     );
     let out = drain(
         &mut session,
-        vec![to(5, 4.1), of(1, Command::Stop { motion: 4 }), to(4, 4.0)],
+        vec![
+            to(5, 4.1),
+            of(
+                1,
+                Command::Play {
+                    motion: 4,
+                    play: Play::Rest,
+                },
+            ),
+            to(4, 4.0),
+        ],
     );
     assert!(matches!(out.last(), Some(Event::Rest { motion: 5, control }) if *control == 4.1));
 }
@@ -736,11 +772,11 @@ fn a_hand_that_drags_the_range_gets_loops_all_the_way_and_the_fine_one_at_the_en
 #[test]
 fn the_threads_end_within_two_seconds_whatever_they_are_at() {
     let heavy = || {
-        let mut scene = presets::resolve("hertz").unwrap();
+        let mut scene = storage::resolve("hertz").unwrap();
         scene.cell.points = Points::Square(512);
         scene
     };
-    let scenes = [fig2(192), heavy(), presets::resolve("rough").unwrap()];
+    let scenes = [fig2(192), heavy(), storage::resolve("rough").unwrap()];
     for scene in scenes {
         for pages in [
             Page::Figure(4),

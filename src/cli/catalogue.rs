@@ -7,19 +7,19 @@ use super::{
     failures, interrupted, print, say, warn,
 };
 use crate::lessons::all;
-use crate::numerics::cancel::Cancel;
+use crate::numerics::threads::Cancel;
 use crate::paper::Finding;
 use crate::paper::errata::errata;
 use crate::paper::{self, Entry, Figure, GALLERY, Size, Stopped, TABLES, Table, Task, UNDER_LOAD};
-use crate::physics::grid::Grid;
+use crate::physics::mesh::Grid;
 use crate::scene::Scene;
 use crate::scene::edit::decided;
 use crate::storage::drawing::{Report, write_report};
 use crate::storage::files::Folder;
-use crate::storage::{Failure, drawing, export, presets, scene_file};
+use crate::storage::{self, Failure, drawing, export, scene_file};
 use crate::study::reality::reality;
 use crate::worker::background::{self, Progress};
-use crate::worker::rehearsal::rehearse;
+use crate::worker::rehearse;
 use clap::Args;
 use std::path::Path;
 
@@ -77,13 +77,13 @@ pub(super) fn lessons(arguments: &LessonsArguments) -> Result<u8, Failure> {
 
 /// The scene of a preset's name.
 fn of_preset(name: &str) -> Result<Scene, String> {
-    let preset = presets::find(name).ok_or_else(|| format!("there is no preset {name}"))?;
+    let preset = storage::preset(name).ok_or_else(|| format!("there is no preset {name}"))?;
     preset.scene().map_err(|failure| failure.to_string())
 }
 
 /// Prints name, title, mesh and mu_rho of every preset, and what to look for.
 pub(super) fn presets() -> Result<u8, Failure> {
-    for preset in presets::all() {
+    for preset in storage::presets() {
         for line in entry(preset)? {
             say(&line)?;
         }
@@ -107,7 +107,7 @@ pub(super) fn scene(arguments: &SceneArguments) -> Result<u8, Failure> {
     Ok(DONE)
 }
 
-fn entry(preset: &presets::Preset) -> Result<[String; 4], Failure> {
+fn entry(preset: &storage::Preset) -> Result<[String; 4], Failure> {
     let scene = preset.scene()?;
     let model = scene
         .model()
@@ -201,8 +201,8 @@ fn scene_of(arguments: &FigureArguments) -> Result<Option<Scene>, Failure> {
         let allowed = format!("goes with figure {OF_A_SCENE} alone");
         return Err(Failure::value("command line", "--scene", name, &allowed));
     }
-    let scene = presets::resolve(name)?;
-    let place = presets::place(name);
+    let scene = storage::resolve(name)?;
+    let place = storage::place(name);
     let model = scene.model();
     let model = model.map_err(|error| scene_file::refused(place, error))?;
     if model.indenter.height(&model.grid).is_none() {

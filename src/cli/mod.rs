@@ -12,13 +12,13 @@ mod sweep;
 
 use crate::follow::record::{JumpRecord, StateRecord};
 use crate::follow::run::Report;
-use crate::numerics::cancel::Cancel;
+use crate::numerics::threads::Cancel;
 use crate::plot::scale::digits;
-use crate::scene::units::fixed;
+use crate::scene::parameter::fixed;
 use crate::scene::{Model, Scene};
 use crate::storage::files::Folder;
-use crate::storage::{Failure, VERSION, files, line, presets, scene_file};
-use crate::worker::signals;
+use crate::storage::{self, Failure, VERSION, files, line, scene_file};
+use crate::worker;
 use clap::builder::{PathBufValueParser, TypedValueParser};
 use clap::{Args, Parser, Subcommand};
 use indicatif::{HumanDuration, ProgressBar, ProgressDrawTarget, ProgressStyle};
@@ -158,7 +158,7 @@ fn perform(command: &Command) -> Result<u8, Failure> {
 /// The scene of this name with so many points a side in place of its own, and how to name both in a
 /// refusal.
 fn scene_with_points(name: &str, points: Option<usize>) -> Result<(Scene, String), Failure> {
-    let (mut scene, place) = (presets::resolve(name)?, presets::place(name));
+    let (mut scene, place) = (storage::resolve(name)?, storage::place(name));
     let Some(n) = points else {
         return Ok((scene, place.to_owned()));
     };
@@ -295,7 +295,7 @@ fn window_or_default_scene() -> u8 {
 /// ends the program at once.
 fn cancel_on_signal() -> Cancel {
     let status = files::read_bytes(Path::new("/proc/self/status"), 1 << 16).unwrap_or_default();
-    signals::cancel_on_signal(
+    worker::cancel_on_signal(
         &String::from_utf8_lossy(&status),
         files::at_rest,
         i32::from(INTERRUPTED),

@@ -7,8 +7,8 @@ use super::{
     DONE, Monitor, NOT_CONVERGED, Output, cancel_on_signal, decided_with_points, failures,
     interrupted, scene_with_points, warn,
 };
-use crate::physics::grid::Grid;
 use crate::physics::indenter::{Indenter, Measured};
+use crate::physics::mesh::Grid;
 use crate::physics::parameter::{Own, Refusal};
 use crate::plot::scale::digits;
 use crate::plot::{chart_panel, diagram_panel, study_panel};
@@ -17,7 +17,7 @@ use crate::storage::export::{
     write_heights_csv, write_map_csv, write_points_csv, write_spectrum_csv,
 };
 use crate::storage::fields::write_diagram_fields;
-use crate::storage::{Failure, Opened, drawing, files, open, presets, scene_file};
+use crate::storage::{self, Failure, Opened, drawing, files, open, scene_file};
 use crate::study::chart::{Chart, Effort, News, Verdict, run};
 use crate::study::ground::GroundReport;
 use crate::study::landscape::{Ground, Saddle};
@@ -257,8 +257,8 @@ const CHART_ROOM: u64 = 1_000_000;
 /// # Errors
 /// A scene that is refused, a folder that cannot be written, or a standard output that cannot.
 pub(super) fn chart(arguments: &ChartArguments) -> Result<u8, Failure> {
-    let scene = presets::resolve(&arguments.scene)?;
-    let refused = |error| scene_file::refused(presets::place(&arguments.scene), error);
+    let scene = storage::resolve(&arguments.scene)?;
+    let refused = |error| scene_file::refused(storage::place(&arguments.scene), error);
     scene.validate().map_err(refused)?;
     let cancel = cancel_on_signal();
     let output = &arguments.output;
@@ -401,7 +401,7 @@ pub(super) fn ground(arguments: &GroundArguments) -> Result<u8, Failure> {
 fn report(arguments: &GroundArguments) -> Result<(GroundReport, String), Failure> {
     let word = arguments.scene.as_str();
     let path = files::typed(Path::new(word))?;
-    if presets::find(word).is_none()
+    if storage::preset(word).is_none()
         && path.exists()
         && let Opened::Heights(topography) = open(&path)?
     {

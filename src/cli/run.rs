@@ -7,16 +7,13 @@ use super::{
 use crate::follow::record::StateRecord;
 use crate::follow::run::{Landing, LoopRun, Outcome, Report};
 use crate::follow::walk::soft_mode;
-use crate::numerics::cancel::Cancel;
-use crate::numerics::threads::side_by_side;
+use crate::numerics::threads::{Cancel, side_by_side};
 use crate::physics::parameter::{Dimension, Refusal};
 use crate::physics::pattern::Pattern;
 use crate::plot::loop_panel;
 use crate::plot::style::Colours;
-use crate::scene::parameter;
-use crate::scene::part::Strategy;
-use crate::scene::units::say;
-use crate::scene::{Model, Scene, Turn};
+use crate::scene::parameter::say;
+use crate::scene::{Model, Scene, Strategy, Turn, parameter};
 use crate::solver::methods::MethodKind;
 use crate::storage::fields::{Collector, Keep};
 use crate::storage::files::Folder;
@@ -351,12 +348,12 @@ fn exit_code(outcome: &Outcome) -> u8 {
 
 /// The one line on standard output.
 fn closing_words(told: &Summary, run: &LoopRun) -> String {
-    let loss = told.loss.dissipated_energy.0;
+    let loss = told.loss.number("dissipated_energy");
     let loss = match (&told.end.open_reason, loss.is_finite()) {
         (Some(reason), _) => format!("loop not closed: {reason}"),
         (None, false) => "loop not closed".to_owned(),
         (None, true) => {
-            let accuracy = promise(Some(told.loss.stated_error.0));
+            let accuracy = promise(Some(told.loss.number("stated_error")));
             format!(
                 "dissipated energy {:.4} gamma, {accuracy}",
                 if loss.abs() < 5e-5 { 0.0 } else { loss }

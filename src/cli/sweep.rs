@@ -4,7 +4,7 @@ use super::{
     DONE, INTERRUPTED, Monitor, NOT_CONVERGED, Output, cancel_on_signal, failures,
     scene_with_points, tell, warn,
 };
-use crate::numerics::cancel::Cancel;
+use crate::numerics::threads::Cancel;
 use crate::plot::study_panel::sweep_page;
 use crate::storage::export::write_convergence_csv;
 use crate::storage::files::Folder;

@@ -6,34 +6,30 @@
 //! and where the surface lands is learnt from a release. A loop of any drive, or the state under
 //! the slider, is then read off. The walk is the reference, and a test holds the two together.
 
-mod adapt;
-mod curve;
-mod cycle;
 mod explorer;
+mod read_off;
 mod trace;
 
-pub(super) use curve::Support;
-pub use curve::{Branch, End, Point};
-pub(super) use cycle::Traversal;
-pub use cycle::{Cycle, Leg, Place};
-pub(super) use explorer::{Explorer, Form, Rest, pattern_of};
+pub(super) use explorer::{Explorer, FLAT_KICK, KICK, mixture, shares};
+pub use read_off::{Branch, Cycle, End, Leg, Place, Point};
+pub(super) use read_off::{Support, Traversal};
 
-use super::contest::{Share, shares};
 use super::flat_branch::FlatBranch;
-use crate::numerics::cancel::Cancel;
+use super::record::Share;
+use crate::numerics::threads::Cancel;
 use crate::physics::control::Control;
-use crate::physics::grid::Grid;
 use crate::physics::indenter::Indenter;
 use crate::physics::law::Law;
-use crate::physics::mesh_rule::{SAFE, next_fast, points_at};
+use crate::physics::mesh::{Grid, SAFE, next_fast, points_at};
 use crate::physics::pattern::Pattern;
 use crate::physics::system::{State, System, carried};
 use crate::scene::{Model, Scene};
-use crate::solver::Lost;
 use crate::solver::mechanics::Mechanics;
+use crate::solver::method::Lost;
 use crate::solver::sector::{Node, SHARP, Sector, Side};
+use explorer::{Rest, pattern_of};
 use std::fmt;
-use trace::both_ways;
+use trace::{adapt, both_ways};
 
 /// What an atlas is made for.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -257,11 +253,11 @@ impl Atlas {
     /// remembered.
     fn off_flat(&mut self, side: Side, u0: f64) -> Rest {
         let rests = self.explorer.off_flat(u0);
-        let shares = shares(&rests.iter().map(Rest::pattern).collect::<Vec<_>>());
+        let shares = shares(&rests.iter().map(|rest| rest.pattern).collect::<Vec<_>>());
         let first = |share: Share| {
             let rest = rests
                 .iter()
-                .find(|rest| rest.pattern() == share.pattern)
+                .find(|rest| rest.pattern == share.pattern)
                 .cloned()
                 .expect("it was counted");
             (share, rest)
@@ -320,12 +316,12 @@ impl Atlas {
         };
         let branch = &self.branches[i];
         let node = branch.end(side);
-        let sector = self.sector_of(branch);
+        let sector = self.sector(branch.pattern);
         let own = sector.system();
         let mut mode = match branch.ends[side.index()] {
             End::Fold => carried(&node.tangent, own, explorer.system()),
             End::Breaking if node.breaks_oddly => {
-                let u0 = node.state.mean_displacement;
+                let u0 = node.u0();
                 return Err(Unmapped::at(
                     u0,
                     "the ridge meanders, which only the whole cell holds",
@@ -334,7 +330,7 @@ impl Atlas {
             End::Breaking => sector.breaking_mode(node, explorer.system()),
         };
         let mut z = carried(&node.state.amplitudes, own, explorer.system());
-        [_, z[0]] = control.balanced(node.state.mean_displacement, node.state.stress);
+        [_, z[0]] = control.balanced(node.u0(), node.state.stress);
         // A tangent is per unit of u0; that of a fold of u0 leaves it.
         if control.frees_mean() && branch.ends[side.index()] == End::Fold && node.slope.is_finite()
         {
@@ -348,24 +344,23 @@ impl Atlas {
     fn settle(&mut self, from: &State, rest: Rest) -> Result<Place, Unmapped> {
         let (law, control, u0) = (self.meshes.law, from.control, rest.mean_displacement);
         let most = from.energy + 1e-6 * law.surface_energy;
-        let (is_ridge, pattern, landed) = match rest.form {
-            Form::Flat if self.flat.is_stable(u0) || self.meshes.control.is_apart(&law, u0) => {
+        let pattern = rest.pattern;
+        match pattern {
+            Pattern::Flat if self.flat.is_stable(u0) || self.meshes.control.is_apart(&law, u0) => {
                 return Ok(Place::Flat(self.flat.side_of(u0)));
             }
-            Form::Flat => return Err(Unmapped::at(u0, "no rest was found")),
-            Form::Ridge(line) => (true, Pattern::Ridge, line),
-            Form::Square(pattern, z) => (false, pattern, z),
-            Form::Other => {
+            Pattern::Flat => return Err(Unmapped::at(u0, "no rest was found")),
+            Pattern::Other => {
                 return Err(Unmapped::at(
                     u0,
                     "the surface comes to rest without the symmetry of a known pattern",
                 ));
             }
-        };
+            _ => {}
+        }
         let known = (0..self.branches.len()).find(|&i| {
             let (b, there) = (&self.branches[i], self.at(Place::On(i), control));
-            b.is_ridge == is_ridge
-                && b.pattern == pattern
+            b.pattern == pattern
                 && self.covers(i, control)
                 && (there.mean_displacement - u0).abs() < SAME * law.range
                 && there.energy <= most
@@ -376,12 +371,9 @@ impl Atlas {
             return Ok(Place::On(i));
         }
         let driven = self.meshes.control;
-        let sector = if is_ridge {
-            &mut self.ridge
-        } else {
-            &mut self.square
-        };
-        let z = carried(&landed, self.explorer.system(), sector.system());
+        let onto = self.sector(pattern).system();
+        let z = carried(&rest.amplitudes, self.explorer.system(), onto);
+        let sector = self.sector_mut(pattern);
         let lost = |error: Lost| {
             Unmapped::at(
                 u0,
@@ -410,7 +402,7 @@ impl Atlas {
         let (nodes, ends) = both_ways(sector, driven, first).map_err(lost)?;
         self.branches.push(Branch {
             pattern,
-            is_ridge,
+            is_ridge: pattern == Pattern::Ridge,
             nodes,
             ends,
         });
@@ -427,18 +419,12 @@ impl Atlas {
         }
         let branch = &self.branches[i];
         let u0 = branch.place(self.meshes.control, control);
-        let is_near =
-            |n: &Node| n.slope.is_finite() && (n.state.mean_displacement - u0).abs() < near;
+        let is_near = |n: &Node| n.slope.is_finite() && (n.u0() - u0).abs() < near;
         if branch.nodes.iter().any(is_near) {
             return Ok(());
         }
-        let guess = branch.guess(u0);
-        let sector = if branch.is_ridge {
-            &mut self.ridge
-        } else {
-            &mut self.square
-        };
-        let (node, _) = sector.node(u0, guess, None, SHARP)?;
+        let (guess, pattern) = (branch.guess(u0), branch.pattern);
+        let (node, _) = self.sector_mut(pattern).node(u0, guess, None, SHARP)?;
         self.branches[i].insert(node);
         Ok(())
     }
@@ -455,11 +441,18 @@ impl Atlas {
         pattern_of(&mut self.square.mechanics, &branch.guess(u0), u0)
     }
 
-    fn sector_of(&self, branch: &Branch) -> &Sector {
-        if branch.is_ridge {
-            &self.ridge
-        } else {
-            &self.square
+    /// The solver of the states of this pattern.
+    fn sector(&self, pattern: Pattern) -> &Sector {
+        match pattern {
+            Pattern::Ridge => &self.ridge,
+            _ => &self.square,
+        }
+    }
+
+    fn sector_mut(&mut self, pattern: Pattern) -> &mut Sector {
+        match pattern {
+            Pattern::Ridge => &mut self.ridge,
+            _ => &mut self.square,
         }
     }
 
@@ -490,6 +483,55 @@ impl Atlas {
 
     /// The mechanics of branch `i`.
     pub(super) fn system_of(&self, i: usize) -> &System {
-        self.sector_of(&self.branches[i]).system()
+        self.sector(self.branches[i].pattern).system()
+    }
+
+    /// The same branches for `meshes`, whose law and cell should differ by a few percent at most.
+    /// Landings are taken over as they are: the caller compares the order of jumps before and
+    /// after.
+    ///
+    /// # Errors
+    /// A branch that was not found again; then a new atlas must be made.
+    pub fn adapted(&self, meshes: Meshes) -> Result<Self, Lost> {
+        let mut new = Self::new(meshes);
+        new.obey(&self.cancel);
+        let landings = |i: usize| -> Vec<f64> {
+            self.landed()
+                .filter(|l| l.2 == i)
+                .map(|l| {
+                    let control = self.end_state(l.0, l.1).control;
+                    self.branches[i].place(self.meshes.control, control)
+                })
+                .collect()
+        };
+        for (i, old) in self.branches.iter().enumerate() {
+            let (from, to) = (self.sector(old.pattern), new.sector_mut(old.pattern));
+            let branch = adapt(old, &landings(i), meshes.control, from, to)?;
+            new.branches.push(branch);
+        }
+        new.landings.clone_from(&self.landings);
+        for (place, side, i) in self.landed() {
+            if matches!(place, Place::Flat(_)) && new.flat.limits().is_none() {
+                return Err(Lost::Gone);
+            }
+            new.pin(i, new.end_state(place, side).control)?;
+        }
+        Ok(new)
+    }
+
+    /// The known landings on branches: place, its end, and the branch landed on.
+    fn landed(&self) -> impl Iterator<Item = (Place, Side, usize)> + '_ {
+        self.landings.iter().enumerate().flat_map(|(row, ends)| {
+            Side::BOTH.into_iter().filter_map(move |side| {
+                let place = match row {
+                    0 => Place::Flat(side.opposite()),
+                    _ => Place::On(row - 1),
+                };
+                match ends[side.index()] {
+                    Some(Place::On(i)) => Some((place, side, i)),
+                    _ => None,
+                }
+            })
+        })
     }
 }

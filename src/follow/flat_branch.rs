@@ -3,10 +3,8 @@
 use crate::physics::control::Control;
 use crate::physics::law::Law;
 use crate::physics::system::System;
-use crate::physics::theory::boundary;
-use crate::physics::theory::flat::{limits, stiffness_min};
-use crate::solver::Stop;
-use crate::solver::equilibrium::{Cost, Equilibrium, Stiffness};
+use crate::physics::theory::{boundary, flat_limits, flat_stiffness};
+use crate::solver::method::{Cost, Equilibrium, Stiffness, Stop};
 use crate::solver::sector::Side;
 use std::f64::consts::PI;
 
@@ -34,7 +32,7 @@ impl FlatBranch {
             control,
             length: length.max(block),
             as_a_block: block > length,
-            unstable: limits(&law, length.max(block)),
+            unstable: flat_limits(&law, length.max(block)),
         }
     }
 
@@ -42,7 +40,7 @@ impl FlatBranch {
     pub fn stiffness(&self, u0: f64) -> f64 {
         match self.control {
             Control::Load => self.law.at(u0).stiffness,
-            _ => stiffness_min(&self.law, self.length, u0) / self.length,
+            _ => flat_stiffness(&self.law, self.length, u0) / self.length,
         }
     }
 
@@ -159,7 +157,7 @@ impl FlatBranch {
 
     /// Where stability is lost on the way `from` a stable gap `to` another, as the last stable and
     /// the first unstable double found by bisection; `None` if it is not lost.
-    pub fn limit_between(&self, from: f64, to: f64) -> Option<(f64, f64)> {
+    fn limit_between(&self, from: f64, to: f64) -> Option<(f64, f64)> {
         let stable = |u: f64| self.stiffness(u) > 0.0;
         let (lower, upper) = self.unstable?;
         // The unstable gaps are one interval: the gap of the way that lies nearest to its middle
@@ -212,11 +210,11 @@ mod tests {
         fn the_limit_on_the_way_is_where_a_scan_first_meets_an_unstable_gap(
             law in any_law(), periods in 1.01..30.0_f64, from in -1.0..12.0_f64, to in -1.0..12.0_f64,
         ) {
-            let length = periods * crate::physics::theory::flat::critical_length(&law);
+            let length = periods * crate::physics::theory::critical_length(&law);
             let branch = FlatBranch::new(law, length, Control::Displacement);
             let base = law.equilibrium_gap();
             let (from, to) = (base + from.abs() * law.range, base + to.abs() * law.range);
-            let stable = |u: f64| stiffness_min(&law, length, u) > 0.0;
+            let stable = |u: f64| flat_stiffness(&law, length, u) > 0.0;
             prop_assume!(stable(from));
             let scanned = (0..=20_000).map(|i| from + (to - from) * f64::from(i) / 20_000.0).find(|&u| !stable(u));
             match (branch.limit_between(from, to), scanned) {
@@ -242,7 +240,7 @@ mod tests {
             law in any_law(), stiffness in -6.0..6.0_f64, from in 0.01..0.99_f64, value in -2.0..9.0_f64, kind in 1..3_usize,
         ) {
             let control = Control::all(10f64.powf(stiffness) / law.range)[kind];
-            let branch = FlatBranch::new(law, 3.0 * crate::physics::theory::flat::critical_length(&law), control);
+            let branch = FlatBranch::new(law, 3.0 * crate::physics::theory::critical_length(&law), control);
             let (rest, edge) = (law.equilibrium_gap(), law.contact_gap());
             let from = rest + from * (edge - rest) * 0.5;
             prop_assume!(branch.is_stable(from));
@@ -272,7 +270,7 @@ mod tests {
             let (last, first) = branch
                 .limit_between(far, 0.0)
                 .expect("the limit lies on the way");
-            let (_, upper) = limits(&law, 64.0).expect("unstable");
+            let (_, upper) = flat_limits(&law, 64.0).expect("unstable");
             assert!(
                 (last - upper).abs() <= 1e-9 && (first - upper).abs() <= 1e-9,
                 "{last} {first} {upper}"

@@ -5,7 +5,6 @@
 //! drawing.
 
 pub mod atlas;
-pub mod contest;
 pub mod diagram;
 pub mod flat_branch;
 pub mod ledger;

@@ -1,9 +1,8 @@
 //! What a walk leaves behind: states and jumps.
 
-use super::contest::Share;
 use crate::physics::control::Control;
 use crate::physics::pattern::Pattern;
-use crate::scene::part::Part;
+use crate::scene::Part;
 use crate::solver::Stop;
 use serde::{Deserialize, Serialize};
 use std::fmt;
@@ -149,6 +148,15 @@ impl fmt::Display for Cause {
             Cause::Push => "push",
         })
     }
+}
+
+/// A pattern and the share of the mixtures that lead to it, 0 to 1.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Share {
+    /// Where they lead.
+    pub pattern: Pattern,
+    /// How many of all.
+    pub share: f64,
 }
 
 /// A jump at fixed control, or a transition without one.

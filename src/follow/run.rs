@@ -1,11 +1,10 @@
 //! A whole loop in one call: approach, retraction, and what they add up to; and the path of the
 //! drive, which the window steps too.
 
-use super::contest::Share;
 use super::ledger::Ledger;
-use super::record::{Direction, JumpRecord, LoopRecord, StateRecord};
+use super::record::{Direction, JumpRecord, LoopRecord, Share, StateRecord};
 use super::walk::{Counts, Observed, Progress, Stuck, Walk, WalkOptions, Widened};
-use crate::numerics::cancel::Cancel;
+use crate::numerics::threads::Cancel;
 use crate::physics::parameter::Refusal;
 use crate::physics::pattern::Pattern;
 use crate::scene::{Scene, Turn};

@@ -4,16 +4,14 @@
 use super::atlas::{Atlas, End, Leg, Place, Traversal, Unmapped};
 use super::record::{Direction, StateRecord};
 use super::run::{Landing, LoopRun, Outcome, Report};
-use super::walk::apart::apart;
+use super::walk::flat::apart;
 use super::walk::symmetry::{Guard, Soft, slides_on};
-use crate::numerics::cancel::Cancel;
+use crate::numerics::threads::Cancel;
 use crate::physics::pattern::{Pattern, classify, contact_area};
 use crate::physics::system::{System, carried};
-use crate::scene::part::Part;
-use crate::scene::{Model, Scene};
-use crate::solver::Stop;
-use crate::solver::branch::{History, distance};
+use crate::scene::{Model, Part, Scene};
 use crate::solver::mechanics::Mechanics;
+use crate::solver::method::{History, Stop, distance};
 use crate::solver::sector::{Measured, Node};
 use ndarray::Array2;
 use std::time::Instant;
@@ -199,8 +197,12 @@ impl Tour<'_> {
     /// as it seems; from the other where there is none.
     fn nearest(&mut self, i: usize, u0: f64, before: Option<&Node>) -> Result<Measured, Unmapped> {
         let curve = self.atlas.branches[i].guess(u0);
-        let mut guesses: Vec<Vec<f64>> =
-            self.history.cubic(u0).into_iter().chain([curve]).collect();
+        let mut guesses: Vec<Vec<f64>> = self
+            .history
+            .predict(u0)
+            .into_iter()
+            .chain([curve])
+            .collect();
         if !self.extrapolates {
             guesses.reverse();
         }

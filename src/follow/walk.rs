@@ -5,27 +5,22 @@
 //! or a slice of a release) and hands out what happened. It works on any scene and is the reference
 //! for everything faster.
 
-use super::contest::Share;
 use super::flat_branch::FlatBranch;
-use super::record::{Cause, Direction, StateRecord};
-use crate::numerics::cancel::Cancel;
+use super::record::{Cause, Direction, Share, StateRecord};
+use crate::numerics::dense::{dot, scale};
 use crate::numerics::precision::Precision;
-use crate::numerics::vector::{dot, scale};
+use crate::numerics::threads::Cancel;
 use crate::physics::control::Control;
 use crate::physics::parameter::Refusal;
 use crate::physics::system::{State, System};
-use crate::scene::part::Part;
-use crate::scene::{Model, Scene};
-use crate::solver::branch::History;
-use crate::solver::equilibrium::{Cost, Equilibrium};
-use crate::solver::mechanics::{Mechanics, Slides};
-use crate::solver::method::Method;
+use crate::scene::{Model, Part, Scene};
+use crate::solver::mechanics::{Mechanics, Slides, centred};
+use crate::solver::method::{Cost, Equilibrium, History, Lost, Method, Stop};
 use crate::solver::methods::MethodKind;
-use crate::solver::newton::{NewtonEnd, NewtonLimits, centred, solve};
+use crate::solver::newton::{NewtonLimits, solve};
 use crate::solver::release::Release;
 use crate::solver::stability::Tracker;
-use crate::solver::{Lost, Stop};
-use apart::apart;
+use flat::apart;
 use ndarray::Array2;
 use rand::SeedableRng;
 use rand_pcg::Pcg64;
@@ -33,16 +28,13 @@ use std::time::{Duration, Instant};
 use symmetry::{Guard, slides_on, with_coarse};
 
 mod advance;
-pub(super) mod apart;
+pub(super) mod flat;
 mod landing;
-mod mesh_jumps;
-mod progress;
-mod push;
 mod record;
 pub(super) mod symmetry;
 
-pub use progress::{Counts, Observed, Progress, Stuck};
-pub use push::Push;
+pub use landing::Push;
+pub use record::{Counts, Observed, Progress, Stuck};
 pub use symmetry::Widened;
 
 /// Why a branch cannot be followed beyond `at`.
@@ -53,6 +45,17 @@ struct Barrier {
     stiffness: Option<f64>,
     /// The mode that went soft, if it was seen.
     soft_mode: Vec<f64>,
+}
+
+impl Barrier {
+    /// Where no equilibrium was found.
+    fn blind(at: f64, soft_mode: Vec<f64>) -> Self {
+        Self {
+            at,
+            stiffness: None,
+            soft_mode,
+        }
+    }
 }
 
 /// What tells how a branch goes on: control, smallest eigenvalue, and derivative of the energy with
@@ -129,6 +132,16 @@ struct Behind {
     before: Option<Before>,
     /// The step that went well after a longer one had failed; it grows again.
     short: Option<f64>,
+}
+
+impl Behind {
+    fn starting(here: &Equilibrium) -> Self {
+        Self {
+            history: History::starting(&here.state),
+            before: None,
+            short: None,
+        }
+    }
 }
 
 /// What a walk spent, and how much of it is in its records.
@@ -213,7 +226,6 @@ impl Walk {
             .with_body(model.body)
             .with_control(control);
         let slides = slides_on(&model);
-        let tracker = |salt: u64| Tracker::new(Pcg64::seed_from_u64(scene.seed ^ salt));
         let watched = part.is_even() && part != Part::Mirrored;
         let guard = watched.then(|| Guard::new(&system, slides, scene.seed ^ 0x9a4d));
         let mut mechanics = Mechanics::new(
@@ -227,7 +239,8 @@ impl Walk {
         mechanics.cancel = cancel.clone();
         let flat = (mechanics.system.is_flat() && method.locates())
             .then(|| FlatBranch::new(model.law, model.equivalent_length, control));
-        let mut tracker = with_coarse(tracker(0x5eed), &mechanics);
+        let tracker = Tracker::new(Pcg64::seed_from_u64(scene.seed ^ 0x5eed));
+        let mut tracker = with_coarse(tracker, &mechanics);
         let start = scene.drive.start;
         let here = match flat {
             _ if control == Control::Load => apart(&mut mechanics, start),
@@ -247,11 +260,7 @@ impl Walk {
             guard,
             tracker,
             rng: Pcg64::seed_from_u64(scene.seed),
-            behind: Behind {
-                history: History::starting(&here.state),
-                before: None,
-                short: None,
-            },
+            behind: Behind::starting(&here),
             record: StateRecord::placeholder(start),
             here,
             phase: Phase::Following,
@@ -303,7 +312,7 @@ impl Walk {
         direction: Direction,
     ) -> Result<Self, Lost> {
         (self.direction, self.target) = (direction, control);
-        let system = &self.mechanics.system;
+        let system = self.system();
         let limits = NewtonLimits::of(system);
         // Where the mesh does not pull at a pattern.
         let z = match self.mechanics.slides {
@@ -315,7 +324,7 @@ impl Walk {
         self.here = match self.flat.filter(|_| uniform) {
             Some(flat) => {
                 let u0 = found.at.state.mean_displacement;
-                let mut state = flat.state(&self.mechanics.system, u0);
+                let mut state = flat.state(self.system(), u0);
                 state.state.control = control;
                 state
             }
@@ -385,7 +394,12 @@ impl Walk {
 
     /// What is driven.
     pub fn control(&self) -> Control {
-        self.mechanics.system.control()
+        self.system().control()
+    }
+
+    /// True if the surface moves.
+    pub fn is_jumping(&self) -> bool {
+        matches!(self.phase, Phase::Jumping(_))
     }
 
     /// [`Control::unit`] of the law.
@@ -470,9 +484,9 @@ fn solved(
     };
     let found = solve(mechanics, z, control, limits);
     let stop = match found.end {
-        NewtonEnd::Converged => Stop::Stable,
-        NewtonEnd::Cancelled => Stop::Cancelled,
-        _ => Stop::NotConverged,
+        Ok(()) => Stop::Stable,
+        Err(Lost::Cancelled) => Stop::Cancelled,
+        Err(_) => Stop::NotConverged,
     };
     let mut state = Equilibrium::unmeasured(found.at, found.residual, stop, Cost::default());
     let (stiffness, mode) = tracker.check(mechanics, &state.state.amplitudes, &state.fields);
@@ -509,35 +523,31 @@ impl Walk {
             Phase::Jumping(jumping) => &jumping.release.at.fields,
             _ => &self.here.fields,
         };
-        self.mechanics.system.unfolded(&fields.gap)
+        self.system().unfolded(&fields.gap)
     }
 
     /// The gap field of the state it stands on, which a jump under way has left.
     pub fn gap_here(&self) -> Array2<f64> {
-        self.mechanics.system.unfolded(&self.here.fields.gap)
+        self.system().unfolded(&self.here.fields.gap)
     }
 
     /// The field of the mode that gives way first in the state it stands on, mean(phi^2) = 1: that
-    /// of the smallest eigenvalue, or of the flat state one of its equal softest waves. `None` where
-    /// it was not measured. One transform.
+    /// of the smallest eigenvalue, or of the flat state one of its equal softest waves; with the sign
+    /// of the last one asked for, so that pictures do not flicker. `None` where it was not measured.
+    /// One transform.
     pub fn soft_mode(&mut self) -> Option<Array2<f64>> {
-        let mode = self.soft_amplitudes()?;
-        let field = self
-            .mechanics
-            .uncounted(|mechanics| mechanics.field(&mode).clone());
-        Some(self.mechanics.system.unfolded(&field))
-    }
-
-    /// The mode with the sign of the last one asked for, so that pictures do not flicker.
-    fn soft_amplitudes(&mut self) -> Option<Vec<f64>> {
         let mut mode = self.here.soft_mode.clone();
-        if self.here.is_uniform() && self.mechanics.system.is_flat() {
-            mode = self.mechanics.system.softest_wave();
+        if self.here.is_uniform() && self.system().is_flat() {
+            mode = self.system().softest_wave();
         }
         if mode.len() == self.facing.len() && dot(&mode, &self.facing) < 0.0 {
             scale(&mut mode, -1.0);
         }
         self.facing.clone_from(&mode);
-        (!mode.is_empty()).then_some(mode)
+        if mode.is_empty() {
+            return None;
+        }
+        let field = self.mechanics.uncounted(|m| m.field(&mode).clone());
+        Some(self.system().unfolded(&field))
     }
 }

@@ -7,8 +7,8 @@
 
 use crate::follow::record::{Direction, LoopRecord, StateRecord};
 use crate::physics::control::Control;
-use crate::physics::theory::{flat, ridge};
-use crate::scene::units::fixed;
+use crate::physics::theory::{critical_length, flat_limits, flat_stiffness, ridge};
+use crate::scene::parameter::fixed;
 use crate::scene::{Model, Scene};
 use crate::solver::Stop;
 use serde::{Deserialize, Serialize};
@@ -263,11 +263,11 @@ const NUMBERS: [Number; 19] = [
     // Of the flat state at the present u0, whatever the surface does.
     number("flat_stiffness", 2, |f| {
         let (law, length) = (&f.model.law, f.model.equivalent_length);
-        Some(flat::stiffness_min(law, length, f.now()?.mean_displacement))
+        Some(flat_stiffness(law, length, f.now()?.mean_displacement))
     }),
     number("length", 0, |f| Some(f.length())),
     number("critical_length", 1, |f| {
-        Some(flat::critical_length(&f.model.law) / f.model.law.range)
+        Some(critical_length(&f.model.law) / f.model.law.range)
     }),
     number("zero_range_loss", 3, |_| {
         Some(ridge::zero_range_dissipation())
@@ -310,7 +310,7 @@ impl Facts<'_> {
         if self.scene.control() != Control::Displacement {
             return None;
         }
-        let (lower, upper) = flat::limits(&self.model.law, self.model.equivalent_length)?;
+        let (lower, upper) = flat_limits(&self.model.law, self.model.equivalent_length)?;
         Some([lower, upper][which] / self.model.law.range)
     }
 

@@ -271,42 +271,28 @@ pub trait Real: FftNum + Default {
     fn column_plans(n: usize) -> Pair<dyn Fft<Self>, dyn Fft<Self>>;
 }
 
-impl Real for f64 {
-    fn rounded(x: f64) -> Self {
-        x
-    }
+macro_rules! real {
+    ($($number:ty)*) => { $(
+        impl Real for $number {
+            fn rounded(x: f64) -> Self {
+                x as $number
+            }
 
-    fn widened(self) -> f64 {
-        self
-    }
+            fn widened(self) -> f64 {
+                f64::from(self)
+            }
 
-    fn row_plans(n: usize) -> Pair<dyn RealToComplex<Self>, dyn ComplexToReal<Self>> {
-        let mut planner = RealFftPlanner::new();
-        (planner.plan_fft_forward(n), planner.plan_fft_inverse(n))
-    }
+            fn row_plans(n: usize) -> Pair<dyn RealToComplex<Self>, dyn ComplexToReal<Self>> {
+                let mut planner = RealFftPlanner::new();
+                (planner.plan_fft_forward(n), planner.plan_fft_inverse(n))
+            }
 
-    fn column_plans(n: usize) -> Pair<dyn Fft<Self>, dyn Fft<Self>> {
-        let mut planner = FftPlanner::new();
-        (planner.plan_fft_forward(n), planner.plan_fft_inverse(n))
-    }
+            fn column_plans(n: usize) -> Pair<dyn Fft<Self>, dyn Fft<Self>> {
+                let mut planner = FftPlanner::new();
+                (planner.plan_fft_forward(n), planner.plan_fft_inverse(n))
+            }
+        }
+    )* };
 }
 
-impl Real for f32 {
-    fn rounded(x: f64) -> Self {
-        x as f32
-    }
-
-    fn widened(self) -> f64 {
-        f64::from(self)
-    }
-
-    fn row_plans(n: usize) -> Pair<dyn RealToComplex<Self>, dyn ComplexToReal<Self>> {
-        let mut planner = RealFftPlanner::new();
-        (planner.plan_fft_forward(n), planner.plan_fft_inverse(n))
-    }
-
-    fn column_plans(n: usize) -> Pair<dyn Fft<Self>, dyn Fft<Self>> {
-        let mut planner = FftPlanner::new();
-        (planner.plan_fft_forward(n), planner.plan_fft_inverse(n))
-    }
-}
+real! { f64 f32 }

@@ -1,8 +1,8 @@
 //! Krylov methods: conjugate gradients that notice negative curvature, and minimal residuals for
 //! matrices that are neither positive nor symmetric.
 
-use super::cancel::Cancel;
-use super::vector::{add, dot, norm, project_out, scale};
+use super::dense::{add, dot, norm, project_out, scale};
+use super::threads::Cancel;
 
 /// Why the iteration ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

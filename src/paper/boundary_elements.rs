@@ -11,9 +11,9 @@
 //! a circle's ragged edge adds noise, averaged over radii within da.
 
 use super::{Stopped, Task};
-use crate::numerics::cancel::Cancel;
 use crate::numerics::cosine::{Cosine, CosineScratch};
 use crate::numerics::krylov::{CgEnd, CgLimits, conjugate_gradients};
+use crate::numerics::threads::Cancel;
 use crate::physics::theory::circular::Kind;
 use std::cell::RefCell;
 use std::f64::consts::PI;

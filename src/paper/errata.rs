@@ -6,13 +6,12 @@
 
 use super::scenes::{self, planned, units_of};
 use super::{Stopped, Task};
-use crate::physics::grid::Grid;
 use crate::physics::indenter::Indenter;
 use crate::physics::law::{Cosine, Law, Morse, Shape};
-use crate::physics::mesh_rule;
+use crate::physics::mesh::{self, Grid};
 use crate::physics::system::System;
 use crate::physics::theory::jkr::Jkr;
-use crate::physics::theory::{circular, flat, ridge};
+use crate::physics::theory::{circular, flat_limits, ridge};
 use crate::scene::Points;
 use std::f64::consts::{FRAC_PI_2, LN_2, PI, SQRT_2};
 
@@ -144,8 +143,8 @@ fn equation_9() -> Erratum {
             Evidence::new(
                 "mu_rho by Eq. 10 of a Morse law with the range of Eq. 9 (the print recommends \
                  0.5)",
-                mesh_rule::mu_rho(&morse(range), spacing),
-                [mesh_rule::SAFE, PI.sqrt()],
+                mesh::mu_rho(&morse(range), spacing),
+                [mesh::SAFE, PI.sqrt()],
                 1e-12,
             ),
             Evidence::new(
@@ -165,11 +164,7 @@ fn equation_9() -> Erratum {
 }
 
 fn equation_33() -> Erratum {
-    let law = morse(mesh_rule::range_for_mu_rho(
-        &morse(1.0),
-        1.0,
-        mesh_rule::SAFE,
-    ));
+    let law = morse(mesh::range_for_mu_rho(&morse(1.0), 1.0, mesh::SAFE));
     // The largest softening by looking for it, not by its formula.
     let softening = (0..40_000)
         .map(|i| -law.at(f64::from(i) * 2e-4 * law.range).stiffness)
@@ -396,7 +391,7 @@ fn text_at_equation_30(task: &mut Task<'_>) -> Result<Erratum, Stopped> {
     let (run, model) = planned(&scene, &mut task.part(0.6, 1.0), LOOP)?;
     let law = &model.law;
     let units = units_of(&model);
-    let approach = flat::limits(law, units.length).map_or(f64::NAN, |limits| limits.1);
+    let approach = flat_limits(law, units.length).map_or(f64::NAN, |limits| limits.1);
     let (from, to) = (units.reduce(approach), ridge::critical());
     let thick = ridge::energy(to.alpha, to.displacement)
         - ridge::alpha(from).map_or(f64::NAN, |alpha| ridge::energy(alpha, from));
@@ -557,7 +552,7 @@ fn turning(tip: &Jkr, low: f64, high: f64, value: impl Fn(&Jkr, f64) -> f64) -> 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::numerics::cancel::Cancel;
+    use crate::numerics::threads::Cancel;
     use crate::paper::Size;
 
     #[test]

@@ -4,8 +4,8 @@ use super::scenes::{self, decided, seen};
 use super::{Entry, Figure, Finding, Stopped, Task};
 use crate::follow::record::Direction;
 use crate::follow::walk::WalkOptions;
-use crate::physics::grid::Grid;
 use crate::physics::indenter::{Hertz, Indenter};
+use crate::physics::mesh::Grid;
 use crate::plot::panel::{Along, Area, Arrow, Axis, Colour, Label, Panel, Role, Series};
 use crate::plot::scale::ends;
 

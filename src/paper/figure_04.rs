@@ -3,23 +3,19 @@
 use super::scenes;
 use super::{Entry, Figure, Finding, Stopped, Task};
 use crate::follow::record::Direction;
-use crate::numerics::cancel::Cancel;
-use crate::numerics::vector::norm;
-use crate::physics::grid::Grid;
+use crate::numerics::dense::norm;
+use crate::numerics::threads::Cancel;
 use crate::physics::indenter::Indenter;
 use crate::physics::law::{Law, Morse, Shape};
+use crate::physics::mesh::Grid;
 use crate::physics::preconditioner::Preconditioner;
 use crate::physics::system::System;
-use crate::physics::theory::flat;
+use crate::physics::theory::{critical_length, flat_limits};
 use crate::plot::panel::{Axis, Colour, Panel, Role, Series, Symbol};
 use crate::scene::Points;
-use crate::solver::Lost;
-use crate::solver::Stop;
-use crate::solver::branch::History;
-use crate::solver::equilibrium::{Cost, Equilibrium};
 use crate::solver::gfmd::{Gfmd, GfmdBudget};
 use crate::solver::mechanics::{Mechanics, Slides};
-use crate::solver::method::Method;
+use crate::solver::method::{Cost, Equilibrium, History, Lost, Method, Stop};
 use crate::solver::stability::random_smooth;
 use rand::SeedableRng;
 use rand_pcg::Pcg64;
@@ -60,7 +56,7 @@ fn compute(task: &mut Task<'_>) -> Result<Figure, Stopped> {
         surface_energy: scenes::SURFACE_ENERGY,
         range: 1.0,
     };
-    let critical = flat::critical_length(&law);
+    let critical = critical_length(&law);
     let points = task.choose(12, 32);
     let cells: &[f64] = task.choose(&QUICK, &CELLS);
     let (mut approach, mut retraction, mut findings) = (Vec::new(), Vec::new(), Vec::new());
@@ -77,7 +73,7 @@ fn compute(task: &mut Task<'_>) -> Result<Figure, Stopped> {
         ];
         retraction.push([cell, found[0]]);
         approach.push([cell, found[1]]);
-        let (lower, upper) = flat::limits(&law, cell * critical).unwrap_or((f64::NAN, f64::NAN));
+        let (lower, upper) = flat_limits(&law, cell * critical).unwrap_or((f64::NAN, f64::NAN));
         let names = ["retraction", "approach"];
         findings.extend(names.iter().zip(found).zip([lower, upper]).map(
             |((name, found), expected)| {
@@ -150,14 +146,14 @@ fn words(points: usize, worst: f64) -> String {
 
 /// Eq. 8: the limits on approach and on retraction.
 fn lines(law: &Law) -> [Series; 2] {
-    let critical = flat::critical_length(law);
+    let critical = critical_length(law);
     let ratios: Vec<f64> = (0..=400)
         .map(|i| 10f64.powf(3.0 * (f64::from(i) / 400.0).powi(2)))
         .collect();
     let line = |name: &str, direction, pick: fn((f64, f64)) -> f64| {
         let points = ratios
             .iter()
-            .filter_map(|&r| flat::limits(law, r * critical).map(|limits| [r, pick(limits)]));
+            .filter_map(|&r| flat_limits(law, r * critical).map(|limits| [r, pick(limits)]));
         Series::line(name, Role::Theory, Colour::of(direction), points.collect())
     };
     [

@@ -6,8 +6,7 @@ use crate::follow::record::Direction;
 use crate::follow::run::LoopRun;
 use crate::physics::theory::ridge::{self, FLATTENING_PRINTED};
 use crate::plot::panel::{Arrow, Axis, Colour, Panel, Role, Series, Symbol};
-use crate::scene::Scene;
-use crate::scene::part::Part;
+use crate::scene::{Part, Scene};
 use std::f64::consts::PI;
 
 pub(super) const ENTRY: Entry = Entry {

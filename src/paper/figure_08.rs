@@ -5,10 +5,9 @@ use super::{Entry, Figure, Finding, Stopped, Task};
 use crate::follow::record::Direction;
 use crate::follow::run::LoopRun;
 use crate::physics::pattern::Pattern;
-use crate::physics::theory::{flat, ridge};
+use crate::physics::theory::{flat_limits, ridge};
 use crate::plot::panel::{Axis, Colour, Panel, Role, Series, letter};
-use crate::scene::part::Part;
-use crate::scene::{Range, Scene};
+use crate::scene::{Part, Range, Scene};
 
 pub(super) const ENTRY: Entry = Entry {
     number: 8,
@@ -153,7 +152,7 @@ fn limits(found: [f64; 2]) -> Vec<Finding> {
     let units = units(LENGTH);
     let law = loop_of(0.5).model().map(|model| model.law).ok();
     let eq_8 = law
-        .and_then(|law| flat::limits(&law, LENGTH))
+        .and_then(|law| flat_limits(&law, LENGTH))
         .map_or([f64::NAN; 2], |(low, high)| [low, high]);
     let tolerance = law.map(|law| 0.02 * units.reduce(law.range));
     let names = ["closes on approach", "flattens on retraction"];

@@ -4,12 +4,11 @@ use super::scenes::{self, line_cell, units, walked};
 use super::{Entry, Figure, Finding, Stopped, Task};
 use crate::follow::walk::WalkOptions;
 use crate::physics::law::{Cosine, Law, Morse, Shape};
-use crate::physics::mesh_rule::points_at;
+use crate::physics::mesh::points_at;
 use crate::physics::pattern::Pattern;
-use crate::physics::theory::{flat, ridge};
+use crate::physics::theory::{critical_length, flat_limits, ridge};
 use crate::plot::panel::{Axis, Colour, Panel, Role, Series, Symbol};
-use crate::scene::part::Part;
-use crate::scene::{Range, Scene};
+use crate::scene::{Part, Range, Scene};
 use std::f64::consts::{PI, SQRT_2};
 
 pub(super) const ENTRY: Entry = Entry {
@@ -59,7 +58,7 @@ fn law(shape: Shape) -> Law {
 
 /// Cell (length) in which `law` has rho/rho_0 = sqrt(L_c/L) = `ratio`.
 fn cell(law: &Law, ratio: f64) -> f64 {
-    flat::critical_length(law) / (ratio * ratio)
+    critical_length(law) / (ratio * ratio)
 }
 
 fn mu_rho(ratio: f64) -> f64 {
@@ -73,7 +72,7 @@ fn loop_of(shape: Shape, ratio: f64) -> Scene {
     let length = cell(&law, ratio);
     let points = points_at(&law, length, mu_rho(ratio));
     let unit = units(length).displacement();
-    let approach = flat::limits(&law, length).map_or(f64::NAN, |limits| limits.1);
+    let approach = flat_limits(&law, length).map_or(f64::NAN, |limits| limits.1);
     // The ridge of either law flattens below u~ = 0.75 in these cells.
     let start = (0.75 * unit).max(1.02 * approach);
     // A short branch deserves short steps too: the trapezoid rule has to close the ledger.
@@ -126,7 +125,7 @@ fn lose(shape: Shape, ratio: f64, task: &mut Task<'_>) -> Result<Loss, Stopped> 
         task,
     )?;
     let approach =
-        flat::limits(&law, length).map_or(f64::NAN, |limits| units(length).reduce(limits.1));
+        flat_limits(&law, length).map_or(f64::NAN, |limits| units(length).reduce(limits.1));
     Ok(Loss {
         ratio,
         released: run.record.released_energy_sum(),
@@ -267,7 +266,7 @@ fn lines() -> Vec<Series> {
         };
         let order = |zero: f64| {
             move |length: f64| {
-                let approach = units(length).reduce(flat::limits(&law, length)?.1);
+                let approach = units(length).reduce(flat_limits(&law, length)?.1);
                 Some(ridge::leading_order(zero, approach))
             }
         };

@@ -3,7 +3,7 @@
 use super::scenes::{self, Order, TIP, Tip, TipDrive};
 use super::{Entry, Figure, Finding, Stopped, Task};
 use crate::plot::panel::{Axis, Colour, Panel, Role, Series, Symbol};
-use crate::scene::part::Part;
+use crate::scene::Part;
 
 pub(super) const ENTRY: Entry = Entry {
     number: 13,

@@ -8,7 +8,7 @@ use crate::follow::record::{Cause, Direction, JumpRecord, LoopRecord};
 use crate::follow::run::{Landing, LoopRun};
 use crate::physics::law::Law;
 use crate::physics::pattern::{Island, Pattern, rolled, shift_to_middle};
-use crate::physics::theory::flat;
+use crate::physics::theory::flat_limits;
 use crate::plot::curve::Curve;
 use crate::plot::loop_panel;
 use crate::plot::panel::{Axis, Colour, Content, Inset, Panel, Role, Series};
@@ -227,7 +227,7 @@ fn findings(run: &LoopRun, model: &Model) -> Vec<Finding> {
         "sum of the energies released in the jumps",
         Some(5e-3 * record.released_energy_sum()),
     )];
-    if let Some((lower, upper)) = flat::limits(law, model.grid.length) {
+    if let Some((lower, upper)) = flat_limits(law, model.grid.length) {
         for (branch, limit) in [(Direction::Approach, upper), (Direction::Retraction, lower)] {
             let left =
                 |jump: &&JumpRecord| jump.direction == branch && jump.cause == Cause::FlatLimit;

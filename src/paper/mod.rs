@@ -24,12 +24,10 @@ mod figure_13;
 mod figure_14;
 mod figures_02_03;
 pub mod measured_law;
-pub mod overlay;
 pub mod scenes;
 
-use crate::numerics::cancel::Cancel;
-use crate::numerics::threads;
-use crate::physics::mesh_rule::{TABLE_1, mu_rho_of_zone};
+use crate::numerics::threads::{self, Cancel};
+use crate::physics::mesh::{TABLE_1, mu_rho_of_zone};
 use crate::plot::panel::{Page, Panel};
 use crate::scene::Scene;
 use std::sync::{Mutex, PoisonError};

@@ -16,7 +16,7 @@
 
 use super::law::Law;
 use super::theory::boundary;
-use crate::numerics::vector::norm;
+use crate::numerics::dense::norm;
 use ndarray::Array2;
 use serde::{Deserialize, Serialize};
 use std::fmt;

@@ -8,10 +8,9 @@
 mod whole;
 
 use super::system::{Fields, System, Workspace};
-use crate::numerics::cancel::Cancel;
+use crate::numerics::dense::{Factor, add, dot, scale};
 use crate::numerics::eigen::{EigenLimits, EigenPairs, smallest};
-use crate::numerics::factor::Factor;
-use crate::numerics::vector::{add, dot, scale};
+use crate::numerics::threads::Cancel;
 use std::f64::consts::{FRAC_1_SQRT_2, FRAC_PI_2, SQRT_2};
 
 pub use whole::Unfolding;

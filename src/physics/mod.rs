@@ -7,11 +7,10 @@
 
 pub mod body;
 pub mod control;
-pub mod grid;
 pub mod indenter;
 pub mod law;
 pub mod low_block;
-pub mod mesh_rule;
+pub mod mesh;
 pub mod parameter;
 pub mod pattern;
 pub mod preconditioner;

@@ -8,8 +8,8 @@
 
 use super::low_block::{Class, FLOOR, LowBlock};
 use super::system::{Fields, System, Workspace};
-use super::theory::flat;
-use crate::numerics::factor::Factor;
+use super::theory::critical_length;
+use crate::numerics::dense::Factor;
 use rustfft::num_complex::Complex;
 use std::f64::consts::{FRAC_1_SQRT_2, SQRT_2};
 
@@ -24,7 +24,7 @@ pub fn class_reach(system: &System, most: f64) -> f64 {
     if system.grid().is_line() {
         return f64::INFINITY;
     }
-    let periods = system.grid().length / flat::critical_length(system.law());
+    let periods = system.grid().length / critical_length(system.law());
     (CLASS_REACH * periods).clamp(CLASS_REACH_LEAST, most)
 }
 

@@ -23,14 +23,14 @@ mod odd;
 use super::body::Body;
 use super::control::Control;
 pub use super::control::{Evaluation, Fields, State};
-use super::grid::Grid;
 use super::indenter::Indenter;
 use super::law::Law;
+use super::mesh::Grid;
 use crate::numerics::cosine::Cosine;
+use crate::numerics::dense::{max_abs, norm};
 use crate::numerics::fourier::Fourier;
 use crate::numerics::precision::{Basis, Precision, TransformScratch, Transforms};
 use crate::numerics::threads::{each, piece};
-use crate::numerics::vector::{max_abs, norm};
 use ndarray::Array2;
 use rustfft::num_complex::Complex;
 

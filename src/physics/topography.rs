@@ -6,10 +6,9 @@
 //! of the Laplacian by central second differences; twice the area's rms curvature.
 
 use super::parameter::Refusal;
-use crate::numerics::cancel::Cancel;
-use crate::numerics::eigen::symmetric_eigen;
+use crate::numerics::dense::{add, dot, symmetric_eigen};
 use crate::numerics::krylov::{CgLimits, conjugate_gradients};
-use crate::numerics::vector::{add, dot};
+use crate::numerics::threads::Cancel;
 use ndarray::Array2;
 use std::f64::consts::PI;
 use std::path::PathBuf;

@@ -3,7 +3,7 @@
 
 use super::panel::{Axis, Colour, Label, Page, Panel, Role, Series, Symbol, letter};
 use super::scale::digits;
-use crate::scene::part::Strategy;
+use crate::scene::Strategy;
 use crate::solver::methods::MethodKind;
 use crate::study::chart::{Chart, Judged, Point, Saved, Verdict, on_front, saved};
 

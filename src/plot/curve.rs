@@ -1,9 +1,17 @@
-//! Curves over the mean displacement, cut at jumps: stress against u0, and the smallest eigenvalue
-//! against u0.
+//! Curves over the mean displacement. Of a record, cut at jumps: stress against u0, and the smallest
+//! eigenvalue against u0. Of theory, in the units of the scene at hand: the flat state and the
+//! patterns of zero range, or JKR's tip.
 
+use super::scale::steps;
 use crate::follow::record::{Direction, LoopRecord, StateRecord};
+use crate::numerics::threads::Cancel;
+use crate::physics::body::Body;
+use crate::physics::indenter::{Hertz, Indenter};
 use crate::physics::law::Law;
 use crate::physics::pattern::Pattern;
+use crate::physics::theory::jkr::{Contact, Jkr, PeriodicJkr};
+use crate::physics::theory::{Units, circular, ridge};
+use crate::scene::Model;
 use crate::solver::Stop;
 
 /// Most points of a curve that grows in the window; beyond it every second one is dropped. Drawing
@@ -152,6 +160,139 @@ fn jumped(a: &StateRecord, b: &StateRecord, record: &LoopRecord) -> bool {
             .any(|j| j.direction == b.direction && between(j.control))
     };
     a.direction == b.direction && (low == high || a.pattern != b.pattern) && recorded()
+}
+
+/// Points of a curve.
+const THEORY_POINTS: usize = 160;
+/// The same for a tip, whose states are dearer.
+const TIP_POINTS: usize = 60;
+/// Largest contact radius over the length of the cell: beyond, images touch.
+const LARGEST_CONTACT: f64 = 0.4;
+
+/// p~(u~) of the patterns of an adhesion without range: the same for every scene on flat ground.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct ZeroRange {
+    curves: Vec<(&'static str, Vec<[f64; 2]>)>,
+}
+
+/// A curve of theory for a scene.
+#[derive(Clone, Debug, PartialEq)]
+pub struct TheoryLine {
+    /// Its name.
+    pub name: &'static str,
+    /// (u0 (length), mean stress (E*, tensile positive)) by growing u0.
+    pub points: Vec<[f64; 2]>,
+}
+
+impl ZeroRange {
+    /// Computes the curves; the first time takes some tenths of a second. `None` if cancelled.
+    pub fn compute(cancel: &Cancel) -> Option<Self> {
+        // Each from 0 (not included) to its end; stable parts only.
+        let up_to = |end: f64| {
+            steps(0.0, end, THEORY_POINTS)
+                .skip(1)
+                .take_while(|_| !cancel.requested())
+        };
+        let ridge_end = ridge::critical().displacement;
+        let ridge = up_to(ridge_end)
+            .filter_map(|u| ridge::pressure(u.min(ridge_end)).map(|p| [u, p]))
+            .collect();
+        let circle = |pattern: &circular::Pattern| {
+            let end = pattern.fold().displacement;
+            up_to(end)
+                .filter_map(|u| pattern.at(u.min(end)).map(|state| [u, state.pressure]))
+                .collect()
+        };
+        let curves = vec![
+            ("ridge", ridge),
+            ("dimple", circle(circular::dimple())),
+            ("bulge", circle(circular::bulge())),
+        ];
+        (!cancel.requested()).then_some(Self { curves })
+    }
+
+    /// The curves for a scene, together with its flat state between two mean displacements; for a
+    /// tip in a square cell those of JKR, alone and in the cell; empty on other ground.
+    ///
+    /// Over a layer there is the flat state alone: the other theory is that of a half-space.
+    ///
+    /// The curves of zero range hold where the range is small: L/L_c well above 1, and u0 well
+    /// above the range.
+    pub fn lines(&self, model: &Model, from: f64, to: f64) -> Vec<TheoryLine> {
+        let half_space = model.body == Body::HalfSpace;
+        match model.indenter {
+            Indenter::Flat => {}
+            Indenter::Hertz(Hertz { radius }) if half_space && !model.grid.is_line() => {
+                return tip(
+                    Jkr {
+                        radius,
+                        surface_energy: model.law.surface_energy,
+                    },
+                    model.grid.length,
+                    from,
+                );
+            }
+            _ => return Vec::new(),
+        }
+        let units = Units::of(&model.law, model.grid.length);
+        let flat = |u0: f64| [u0, model.law.at(u0).traction];
+        let mut lines = vec![TheoryLine {
+            name: "flat",
+            points: steps(from, to, THEORY_POINTS).map(flat).collect(),
+        }];
+        for (name, curve) in self.curves.iter().filter(|_| half_space) {
+            // A dimple and a bulge are patterns of a square cell.
+            if model.grid.is_line() && *name != "ridge" {
+                continue;
+            }
+            let restored = |[u, p]: [f64; 2]| {
+                let u0 = units.restore(u);
+                [u0, units.stress(p, u0)]
+            };
+            lines.push(TheoryLine {
+                name,
+                points: curve.iter().copied().map(restored).collect(),
+            });
+        }
+        lines
+    }
+}
+
+/// The stable branch of a tip without range from u0 = `from` to its end, alone and in its cell of
+/// side `length`.
+fn tip(tip: Jkr, length: f64, from: f64) -> Vec<TheoryLine> {
+    let largest = (0..40).fold(length, |a, _| {
+        (tip.radius * (tip.opening(a) - from).max(0.0)).sqrt()
+    });
+    let (smallest, largest) = (
+        0.7 * tip.end_of_displacement().radius,
+        (1.1 * largest).min(LARGEST_CONTACT * length),
+    );
+    let area = length * length;
+    let branch = |contact: &dyn Fn(f64) -> Contact| {
+        let mut points: Vec<[f64; 2]> = Vec::new();
+        for radius in steps(largest, smallest, TIP_POINTS) {
+            let contact = contact(radius);
+            let point = [contact.mean_displacement, contact.force / area];
+            if points.last().is_some_and(|last| point[0] <= last[0]) {
+                break;
+            }
+            points.push(point);
+        }
+        points.retain(|point| point[0] >= from);
+        points
+    };
+    let periodic = PeriodicJkr::new(tip, length);
+    vec![
+        TheoryLine {
+            name: "JKR",
+            points: branch(&|a| tip.contact(a)),
+        },
+        TheoryLine {
+            name: "JKR, periodic",
+            points: branch(&|a| periodic.contact(a)),
+        },
+    ]
 }
 
 #[cfg(test)]

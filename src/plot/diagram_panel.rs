@@ -11,7 +11,7 @@ use super::loop_panel::{MARGIN, axes, place};
 use super::panel::{Area, Axis, Colour, Content, Inset, Label, Page, Panel, Role, Series, Symbol};
 use super::scale::{digits, ends, nice};
 use crate::follow::diagram::{Branch, Diagram, Kind, Point};
-use crate::numerics::vector::hermite;
+use crate::numerics::dense::hermite;
 use crate::physics::law::Law;
 use crate::physics::parameter::Dimension;
 use crate::physics::pattern::Pattern;

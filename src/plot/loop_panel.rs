@@ -12,7 +12,7 @@ use crate::physics::law::Law;
 use crate::physics::parameter::Dimension;
 use crate::physics::pattern::Pattern;
 use crate::scene::Model;
-use crate::scene::units::Unit;
+use crate::scene::parameter::Unit;
 use crate::study::plan::promise;
 
 /// Points of the flat state's curve and of the edges of the loss: finer than a diagram of 900
@@ -298,7 +298,7 @@ pub(crate) mod tests {
     use crate::follow::record::{Cause, StateRecord};
     use crate::physics::law::{Morse, Shape};
     use crate::plot::panel::Fill;
-    use crate::scene::part::Part;
+    use crate::scene::Part;
     use crate::scene::tests::fig2;
     use crate::solver::Stop;
 

@@ -2,7 +2,7 @@
 //! and a plot in the window; its legend lists every name with the look it stands for, once.
 
 use crate::follow::record::Direction;
-use crate::scene::units::Unit;
+use crate::scene::parameter::Unit;
 use ndarray::Array2;
 use std::borrow::Cow;
 
@@ -66,6 +66,14 @@ impl Panel {
             return title.to_owned();
         }
         format!("({}) {title}", letter(index)).trim_end().to_owned()
+    }
+
+    /// The gaps of its maps, which have one scale of colours, so that they can be compared.
+    pub fn maps(&self) -> impl Iterator<Item = &Array2<f64>> {
+        self.insets.iter().filter_map(|inset| match &inset.content {
+            Content::Map { gap, .. } => Some(gap),
+            Content::Diagram(_) => None,
+        })
     }
 }
 

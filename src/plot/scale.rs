@@ -5,7 +5,7 @@
 
 use super::panel::{Axis, Panel, Spread};
 use crate::physics::indenter::Indenter;
-use crate::scene::units::unsigned_zero;
+use crate::scene::parameter::unsigned_zero;
 use crate::scene::{Model, Scene};
 
 /// The least and the largest of some numbers; infinite, the wrong way round, if there are none.

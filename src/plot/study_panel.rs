@@ -11,8 +11,8 @@ use crate::physics::body::Body;
 use crate::physics::indenter::Indenter;
 use crate::physics::parameter::{Parameter, number};
 use crate::physics::pattern::Pattern;
-use crate::physics::theory::{flat, ridge};
-use crate::scene::units::Units;
+use crate::physics::theory::{critical_length, flat_limits, ridge};
+use crate::scene::parameter::Units;
 use crate::scene::{Model, Scene, parameter};
 use crate::study::map::{self, Found, PatternMap};
 use crate::study::sweep::{Row, Spacing, Span, Study};
@@ -209,8 +209,8 @@ fn theory(
             let line = model.grid.is_line();
             line.then(|| ridge::loss(&model.law, model.grid.length))?
         },
-        "approach_jumps" => |model| Some(flat::limits(&model.law, model.grid.length)?.1),
-        "retraction_jumps" => |model| Some(flat::limits(&model.law, model.grid.length)?.0),
+        "approach_jumps" => |model| Some(flat_limits(&model.law, model.grid.length)?.1),
+        "retraction_jumps" => |model| Some(flat_limits(&model.law, model.grid.length)?.0),
         _ => return Vec::new(),
     };
     let name = match y {
@@ -242,7 +242,7 @@ fn theory(
     });
     let mut series = vec![Series::line(name, Role::Theory, colour, curve.collect())];
     // Where the flat state is everywhere stable, on one side.
-    let over = |model: &Model| model.grid.length / flat::critical_length(&model.law) - 1.0;
+    let over = |model: &Model| model.grid.length / critical_length(&model.law) - 1.0;
     let excess = |(value, model): &(f64, Option<Model>)| Some((*value, over(model.as_ref()?)));
     let turn = models.windows(2).find_map(|pair| {
         let ((a, below), (b, above)) = (excess(&pair[0])?, excess(&pair[1])?);

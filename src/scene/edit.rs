@@ -1,15 +1,15 @@
 //! Edits of a scene, and what follows what when a value of the scene is edited: range or mesh after
 //! mu_rho, and the drive after the law.
 
-use super::units::Units;
+use super::parameter::Units;
 use super::{Drive, Model, Points, Range, Scene, Turn, parameter};
 use crate::physics::body::Body;
 use crate::physics::control::Control;
 use crate::physics::indenter::{Indenter, Measured};
 use crate::physics::law::{Law, Shape};
-use crate::physics::mesh_rule;
+use crate::physics::mesh;
 use crate::physics::parameter::{Parameter, Refusal, Value};
-use crate::physics::theory::flat;
+use crate::physics::theory::flat_limits;
 use crate::physics::topography::Topography;
 
 /// What follows when mu_rho is changed.
@@ -27,7 +27,7 @@ pub const MU_RHO: (f64, f64) = (0.25, 2.0);
 
 /// The named meshes of Table 1 by value, and before them the one above which the mesh lies.
 pub const TICKS: [(&str, f64); 7] = [
-    ("safe", mesh_rule::SAFE),
+    ("safe", mesh::SAFE),
     tick(1),
     tick(3),
     tick(5),
@@ -37,10 +37,7 @@ pub const TICKS: [(&str, f64); 7] = [
 ];
 
 const fn tick(row: usize) -> (&'static str, f64) {
-    (
-        mesh_rule::TABLE_1[row].author,
-        mesh_rule::TABLE_1[row].mu_rho,
-    )
+    (mesh::TABLE_1[row].author, mesh::TABLE_1[row].mu_rho)
 }
 
 /// The scene with another mu_rho.
@@ -48,7 +45,7 @@ pub fn with_mu_rho(scene: &Scene, model: &Model, mu_rho: f64, follows: Follows) 
     let mut scene = decided(scene, model);
     match follows {
         Follows::Range => {
-            scene.law.range = Range::Length(mesh_rule::range_for_mu_rho(
+            scene.law.range = Range::Length(mesh::range_for_mu_rho(
                 &model.law,
                 model.grid.spacing(),
                 mu_rho,
@@ -56,7 +53,7 @@ pub fn with_mu_rho(scene: &Scene, model: &Model, mu_rho: f64, follows: Follows) 
             fit_drive(&mut scene);
         }
         Follows::Mesh => {
-            let n = (mesh_rule::points_for_mu_rho(&model.law, model.grid.length, mu_rho) / 2.0)
+            let n = (mesh::points_for_mu_rho(&model.law, model.grid.length, mu_rho) / 2.0)
                 .round()
                 .clamp(4.0, 512.0) as usize
                 * 2;
@@ -72,6 +69,26 @@ fn with(scene: &Scene, model: &Model, edit: impl FnOnce(&mut Scene)) -> Scene {
     edit(&mut scene);
     fit_drive(&mut scene);
     scene
+}
+
+/// Step of a drive of u0 in place of another, in ranges.
+const U0_STEP: f64 = 0.1;
+
+impl Scene {
+    /// The same scene with u0 driven over the window of u0.
+    pub fn at_fixed_u0(&self, model: &Model) -> Self {
+        let mut fixed = self.clone();
+        if self.control().frees_mean() {
+            let [lower, upper] = self.window_of_u0(model);
+            fixed.drive = Drive {
+                control: Control::Displacement,
+                start: upper,
+                turn: Turn::At(lower),
+                step: U0_STEP * model.law.range,
+            };
+        }
+        fixed
+    }
 }
 
 /// The scene with another cohesive law of the same range and surface energy.
@@ -140,7 +157,7 @@ fn fit_drive(scene: &mut Scene) {
         return;
     };
     let law = model.law;
-    let Some((lower, upper)) = flat::limits(&law, model.equivalent_length) else {
+    let Some((lower, upper)) = flat_limits(&law, model.equivalent_length) else {
         return;
     };
     let (control, machine) = (scene.control(), scene.drive.control);
@@ -198,7 +215,7 @@ pub fn with_control(scene: &Scene, model: &Model, control: Control) -> Scene {
     let mut scene = decided(scene, model);
     let law = model.law;
     scene.drive.control = control;
-    scene.drive = match flat::limits(&law, model.equivalent_length) {
+    scene.drive = match flat_limits(&law, model.equivalent_length) {
         Some(limits) if model.indenter == Indenter::Flat => {
             enclosing(&law, limits, scene.control(), control)
         }
@@ -419,7 +436,7 @@ mod tests {
         );
         for scene in edited {
             let model = scene.model().unwrap_or_else(|e| panic!("{e}"));
-            let Some((lower, upper)) = flat::limits(&model.law, model.equivalent_length) else {
+            let Some((lower, upper)) = flat_limits(&model.law, model.equivalent_length) else {
                 continue;
             };
             let (Turn::At(turn), start) = (scene.drive.turn, scene.drive.start) else {

@@ -1,23 +1,23 @@
 //! Floor 2: what to compute: the scene, as a file or the window describes it, its parameters with
-//! limits and units, the decided model, and the mesh an "auto" asks for.
+//! limits and units, the decided model, the mesh an "auto" asks for, and the part of the cell that
+//! is solved.
 //!
 //! May use `physics` and `numerics`; solves nothing. Lengths are in any one unit, E* is 1; what they
-//! are to people is in [`units`].
+//! are to people is in [`parameter`].
 
 pub mod edit;
 pub mod parameter;
-pub mod part;
-pub mod units;
 
 use crate::physics::body::Body;
 use crate::physics::control::Control;
-use crate::physics::grid::{Grid, POINTS_MAX};
 use crate::physics::indenter::Indenter;
 use crate::physics::law::{Law, Shape};
-use crate::physics::mesh_rule::{self, next_fast, points_for};
+use crate::physics::mesh::{self, Grid, POINTS_MAX, next_fast, points_for};
 use crate::physics::parameter::{Refusal, number};
 use crate::physics::theory::boundary;
-use units::Units;
+use parameter::Units;
+use serde::{Deserialize, Serialize};
+use std::fmt;
 
 /// A complete description of what is computed. The contact modulus E* is 1; lengths are in any one
 /// unit.
@@ -143,12 +143,12 @@ impl Model {
     /// What a reader of the results must know, in words: jumps that belong to the mesh, waves of
     /// the ground that it cannot show.
     pub fn warning(&self) -> Option<String> {
-        let law = (!mesh_rule::is_safe(self.mu_rho)).then(|| {
+        let law = (!mesh::is_safe(self.mu_rho)).then(|| {
             format!(
                 "mu_rho = {:.3} is above {}: the mesh is too coarse for this law, and some of the \
                  jumps may belong to the mesh and not to the physics",
                 self.mu_rho,
-                mesh_rule::SAFE
+                mesh::SAFE
             )
         });
         let ground = self.indenter.ground().left_out(&self.grid);
@@ -163,9 +163,6 @@ const STEPS_MAX: f64 = 2e5;
 
 /// The least step as a share of |u0|: a smaller one is lost in the digits of u0.
 const STEP_SHARE: f64 = 1e-10;
-
-/// Step of a drive of u0 in place of another, in ranges.
-const U0_STEP: f64 = 0.1;
 
 impl Scene {
     /// What drives the mean displacement u0 of the surface: the machine, and in series with it the
@@ -238,21 +235,6 @@ impl Scene {
         [boundary(deepest, law.contact_gap(), pressed), upper]
     }
 
-    /// The same scene with u0 driven over the window of u0.
-    pub fn at_fixed_u0(&self, model: &Model) -> Self {
-        let mut fixed = self.clone();
-        if self.control().frees_mean() {
-            let [lower, upper] = self.window_of_u0(model);
-            fixed.drive = Drive {
-                control: Control::Displacement,
-                start: upper,
-                turn: Turn::At(lower),
-                step: U0_STEP * model.law.range,
-            };
-        }
-        fixed
-    }
-
     /// Checks every value.
     ///
     /// # Errors
@@ -292,11 +274,11 @@ impl Scene {
         let (grid, reason) = self.mesh(&unit)?;
         let range = match self.law.range {
             Range::Length(range) => range,
-            Range::MuRho(mu) => mesh_rule::range_for_mu_rho(&unit, grid.spacing(), mu),
+            Range::MuRho(mu) => mesh::range_for_mu_rho(&unit, grid.spacing(), mu),
         };
         self.indenter.ground().check_on(&grid)?;
         let law = Law { range, ..unit };
-        let mu_rho = mesh_rule::mu_rho(&law, grid.spacing());
+        let mu_rho = mesh::mu_rho(&law, grid.spacing());
         if !parameter::MU_RHO.range.contains(&mu_rho) {
             let (low, high) = (
                 parameter::MU_RHO.range.start(),
@@ -380,7 +362,7 @@ impl Scene {
             );
             return Err(Refusal::new("cell.points", "auto", &allowed));
         }
-        let mu = mesh_rule::mu_rho(&law, length / n as f64);
+        let mu = mesh::mu_rho(&law, length / n as f64);
         // Elsewhere which jumps happen depends on the mesh, and no error of it is known.
         let reason = if self.indenter == Indenter::Flat && law.is_smooth() {
             format!(
@@ -463,6 +445,104 @@ fn even(n: usize) -> Result<usize, Refusal> {
     } else {
         Err(parameter::POINTS.refuse(n))
     }
+}
+
+/// The part of the cell that is solved; the rest follows by symmetry.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Default, Serialize, Deserialize)]
+pub enum Part {
+    /// Nothing: the flat state over flat ground is a closed form.
+    Flat,
+    /// The even half of a line, for a ridge of a square cell.
+    Ridge,
+    /// All of a line cell.
+    Line,
+    /// The even half of a line cell. Modes of other symmetry are watched on all of it.
+    HalfLine,
+    /// The even quarter of a square cell. Modes of other symmetry are watched on all of it.
+    Quarter,
+    /// The even quarter or half, held mirror-symmetric: what a surface does that is held so. On a
+    /// coarse mesh single points let go; in the whole cell their mirror images do so one by one, a
+    /// little earlier or later.
+    Mirrored,
+    /// All of a square cell.
+    #[default]
+    Whole,
+}
+
+impl Part {
+    /// The word of the command line and of tables.
+    pub fn word(self) -> &'static str {
+        match self {
+            Part::Flat => "flat",
+            Part::Ridge => "ridge",
+            Part::Line => "line",
+            Part::HalfLine => "half line",
+            Part::Quarter => "quarter",
+            Part::Whole => "whole",
+            Part::Mirrored => "mirrored",
+        }
+    }
+
+    /// The same part of a line cell: all of it, or its half.
+    pub fn of_line(self) -> Self {
+        match self {
+            Part::Whole => Part::Line,
+            Part::Quarter => Part::HalfLine,
+            other => other,
+        }
+    }
+
+    /// True if only even fields are solved.
+    pub fn is_even(self) -> bool {
+        matches!(
+            self,
+            Part::Ridge | Part::HalfLine | Part::Quarter | Part::Mirrored
+        )
+    }
+}
+
+/// As a state's record says which model it is of.
+impl fmt::Display for Part {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.pad(match self {
+            Part::Flat => "flat, closed form",
+            Part::Ridge => "ridge on half a line",
+            Part::Line => "line cell",
+            Part::HalfLine => "half line cell",
+            Part::Quarter => "quarter cell",
+            Part::Mirrored => "mirrored quarter",
+            Part::Whole => "whole cell",
+        })
+    }
+}
+
+/// How a loop is computed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
+pub enum Strategy {
+    /// Read off the branches of an atlas, every state solved on the part that its pattern needs.
+    Atlas,
+    /// By the walk on a part of the cell.
+    Walk(Part),
+}
+
+impl Strategy {
+    /// The walk on the whole cell: the reference of all.
+    pub const WHOLE: Self = Strategy::Walk(Part::Whole);
+    /// The walk on the even quarter.
+    pub const QUARTER: Self = Strategy::Walk(Part::Quarter);
+
+    /// The word of the command line and of tables.
+    pub fn word(self) -> &'static str {
+        match self {
+            Strategy::Atlas => "atlas",
+            Strategy::Walk(part) => part.word(),
+        }
+    }
+}
+
+/// Why a mesh of n x n points has no quarter whose modes are resolved; `None` if it has.
+pub fn no_quarter(n: usize) -> Option<String> {
+    (!n.is_multiple_of(4) || n < 16).then(|| format!("{n} points are no multiple of 4 from 16 on"))
 }
 
 #[cfg(test)]

@@ -9,14 +9,14 @@
 //! gamma'' is cut off above for that (a smaller gamma'' has smaller eigenvalues): what is stiff in
 //! contact is joined to waves beyond a block more strongly than their elasticity allows for.
 
-use super::equilibrium::Stiffness;
 use super::index::Symmetry;
 use super::mechanics::{Mechanics, Rates, Slides};
+use super::method::Stiffness;
 use super::stability::PROVED;
-use crate::numerics::vector::{add, dot, norm, scale};
+use crate::numerics::dense::{add, dot, norm, scale};
 use crate::physics::low_block::{Class, LowBlock};
 use crate::physics::system::{Fields, System};
-use crate::physics::theory::flat;
+use crate::physics::theory::critical_length;
 use ndarray::Array2;
 
 /// Most waves that may soften along a side of the cell: at 4.8 waves blocks prove 76 of 79 states of a
@@ -85,7 +85,7 @@ impl ClassProof {
     /// For patterns of an even `system`, which slide so on its whole cell; `None` where it would
     /// not pay.
     pub fn new(system: &System, slides: Slides) -> Option<Self> {
-        let periods = system.grid().length / flat::critical_length(system.law());
+        let periods = system.grid().length / critical_length(system.law());
         let suits = system.is_flat()
             && !system.grid().is_line()
             && !system.control().frees_mean()

@@ -11,10 +11,10 @@
 //! for the Hessian H, the force g = dV/dz, its derivative f with u0 and the direction t of the
 //! branch: regular at folds, where H is not.
 
-use super::Lost;
 use super::mechanics::{Mechanics, Rates};
+use super::method::Lost;
+use crate::numerics::dense::{add, dot, hermite, norm, project_out, scale};
 use crate::numerics::krylov::{CgLimits, minimal_residual};
-use crate::numerics::vector::{add, dot, hermite, norm, project_out, scale};
 use crate::physics::system::{Evaluation, Fields, State};
 
 /// Root mean square force over sigma_max of a point: its stress and energy are then exact to more

@@ -5,12 +5,9 @@
 //! then suits all waves alike. They begin at the branch's prediction, and give up where they leave
 //! its neighbourhood: a descent that ran on would find some other branch and call it this one.
 
-use super::branch::{History, distance};
-use super::equilibrium::{Cost, Equilibrium};
 use super::mechanics::Mechanics;
-use super::method::{Method, audit, predicted, reach};
-use super::{Lost, Stop};
-use crate::numerics::vector::{add, dot, max_abs, norm, orthonormalise, project_out, scale};
+use super::method::{Equilibrium, History, Lost, Method, audit, distance, predicted, reach};
+use crate::numerics::dense::{add, dot, max_abs, norm, orthonormalise, project_out, scale};
 use crate::physics::law::Law;
 use crate::physics::system::{Evaluation, Fields};
 use std::collections::VecDeque;
@@ -97,11 +94,9 @@ impl Method for Descent {
         if !audit(&mechanics.system, &from.state, &at.state) {
             return Err(Lost::Gone);
         }
-        let cost = Cost {
-            iterations,
-            transforms: mechanics.transforms() - before,
-        };
-        Ok(Equilibrium::unmeasured(at, residual, Stop::Stable, cost))
+        Ok(Equilibrium::reached(
+            mechanics, at, residual, iterations, before,
+        ))
     }
 }
 

@@ -10,15 +10,11 @@
 //! random push, so that a state that has lost its stability is left even where it is perfectly
 //! symmetric. It goes wherever the dynamics goes: it locates nothing.
 
-use super::branch::History;
 use super::descent::{stiffest, tractions};
-use super::equilibrium::{Cost, Equilibrium};
-use super::mechanics::{Mechanics, Slides};
-use super::method::{Method, predicted};
-use super::newton::centred;
+use super::mechanics::{Mechanics, Slides, centred};
+use super::method::{Equilibrium, History, Lost, Method, predicted};
 use super::stability::{random_amplitudes, random_smooth};
-use super::{Lost, Stop};
-use crate::numerics::vector::{add, norm, project_out, scale};
+use crate::numerics::dense::{add, norm, project_out, scale};
 use crate::physics::system::System;
 use rand::SeedableRng;
 use rand_pcg::Pcg64;
@@ -102,11 +98,7 @@ impl Method for Gfmd {
         from: &Equilibrium,
         control: f64,
     ) -> Result<Equilibrium, Lost> {
-        let (before, b, precision) = (
-            mechanics.transforms(),
-            self.budget,
-            mechanics.system.precision(),
-        );
+        let (before, b) = (mechanics.transforms(), self.budget);
         let (first, start, total) = (&from.state.amplitudes, from.state.control, b.ramp + b.relax);
         self.velocity.resize(first.len(), 0.0);
         let inverse_inertia = mechanics.preconditioner.diagonal().to_vec();
@@ -150,16 +142,7 @@ impl Method for Gfmd {
                 TOO_LONG
             }));
         }
-        let stop = if residual <= precision.tolerance() {
-            Stop::Stable
-        } else {
-            Stop::NotConverged
-        };
-        let cost = Cost {
-            iterations: total,
-            transforms: mechanics.transforms() - before,
-        };
-        Ok(Equilibrium::unmeasured(at, residual, stop, cost))
+        Ok(Equilibrium::reached(mechanics, at, residual, total, before))
     }
 }
 
@@ -241,16 +224,7 @@ impl Method for GfmdTuned {
             if near || step == BUDGET {
                 let residual = mechanics.residual(&at);
                 if residual <= tolerance || step == BUDGET {
-                    let stop = if residual <= tolerance {
-                        Stop::Stable
-                    } else {
-                        Stop::NotConverged
-                    };
-                    let cost = Cost {
-                        iterations: step,
-                        transforms: mechanics.transforms() - before,
-                    };
-                    return Ok(Equilibrium::unmeasured(at, residual, stop, cost));
+                    return Ok(Equilibrium::reached(mechanics, at, residual, step, before));
                 }
             }
             if step % RECENTRE == 0 {

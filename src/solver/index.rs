@@ -7,14 +7,14 @@
 //! it is too stiff by a hundredth of the longest wave: where an eigenvalue of it is small the class
 //! is looked at over all waves of the mesh.
 
-use super::equilibrium::Lost;
 use super::mechanics::{Mechanics, Rates, Slides, preconditioner_stiffness};
+use super::method::Lost;
 use super::stability::Tracker;
 use crate::numerics::eigen::{EigenLimits, EigenPairs, smallest};
 use crate::physics::low_block::{Class, LowBlock, Unfolding};
 use crate::physics::preconditioner::class_reach;
 use crate::physics::system::{Fields, System};
-use crate::physics::theory::flat;
+use crate::physics::theory::critical_length;
 use rand::SeedableRng;
 use rand_pcg::Pcg64;
 
@@ -143,7 +143,7 @@ impl Symmetry {
 impl Index {
     /// For patterns of this symmetry of an even `system` on flat ground.
     pub fn of_symmetry(system: &System, symmetry: Symmetry) -> Self {
-        let periods = system.grid().length / flat::critical_length(system.law());
+        let periods = system.grid().length / critical_length(system.law());
         let on_line = system.grid().is_line();
         let reach = class_reach(system, MOST_REACH);
         let cell =

@@ -2,9 +2,9 @@
 //! name it by.
 
 use super::descent::Descent;
-use super::gfmd::Gfmd;
-use super::gfmd::GfmdTuned;
-use super::method::{Method, NewtonKrylov};
+use super::gfmd::{Gfmd, GfmdTuned};
+use super::method::Method;
+use super::newton::NewtonKrylov;
 use serde::{Deserialize, Serialize};
 
 /// Which relaxation method follows the branches.

@@ -5,12 +5,9 @@
 //! record says E*/L they are multiplied by L. Knows neither scenes nor clocks. May use `physics`
 //! and `numerics`.
 
-pub mod branch;
 pub mod class_proof;
-mod contact;
 pub mod continuation;
 pub mod descent;
-pub mod equilibrium;
 pub mod gfmd;
 pub mod index;
 pub mod mechanics;
@@ -21,6 +18,5 @@ mod proof;
 pub mod release;
 pub mod sector;
 pub mod stability;
-pub mod steepest;
 
-pub use equilibrium::{Lost, Stop};
+pub use method::{Lost, Stop};

@@ -1,10 +1,10 @@
 //! Newton-Krylov: the nearest equilibrium to a good guess, refused wherever the Hessian is seen to
 //! have negative curvature.
 
-use super::Lost;
 use super::mechanics::Mechanics;
+use super::method::{Equilibrium, History, Lost, Method, audit, distance, predicted, reach};
+use crate::numerics::dense::{add, norm, project_out};
 use crate::numerics::krylov::{CgEnd, CgLimits, CgSolution};
-use crate::numerics::vector::{add, norm, project_out};
 use crate::physics::system::{Evaluation, System};
 
 /// What [`solve`] and [`descend`] aim at, and how long they may take.
@@ -58,19 +58,6 @@ impl NewtonLimits {
     }
 }
 
-/// Why [`solve`] ended.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum NewtonEnd {
-    /// Residual below tolerance.
-    Converged,
-    /// The Hessian is not positive definite here: no minimum is near.
-    NegativeCurvature,
-    /// Not getting closer, or not finite.
-    Stalled,
-    /// Somebody asked to stop.
-    Cancelled,
-}
-
 /// Where [`solve`] or [`descend`] ended.
 #[derive(Clone, Debug)]
 pub struct NewtonState {
@@ -80,8 +67,9 @@ pub struct NewtonState {
     pub residual: f64,
     /// Newton steps.
     pub steps: usize,
-    /// Why.
-    pub end: NewtonEnd,
+    /// Converged; or the Hessian is not positive definite here, so that no minimum is near
+    /// ([`Lost::Unstable`]), or it gets no closer, or is not finite ([`Lost::Gone`]).
+    pub end: Result<(), Lost>,
 }
 
 impl NewtonState {
@@ -90,12 +78,7 @@ impl NewtonState {
     /// # Errors
     /// Why it is none.
     pub fn converged(self) -> Result<Self, Lost> {
-        match self.end {
-            NewtonEnd::Converged => Ok(self),
-            NewtonEnd::NegativeCurvature => Err(Lost::Unstable),
-            NewtonEnd::Stalled => Err(Lost::Gone),
-            NewtonEnd::Cancelled => Err(Lost::Cancelled),
-        }
+        self.end.map(|()| self)
     }
 }
 
@@ -129,7 +112,7 @@ pub fn solve(
             end,
         };
         if !force.is_finite() || !at.state.energy.is_finite() {
-            return end(NewtonEnd::Stalled, f64::NAN, at);
+            return end(Err(Lost::Gone), f64::NAN, at);
         }
         let diverges = force > 3.0 * before;
         if force <= goal || step == limits.steps || diverges {
@@ -138,10 +121,10 @@ pub fn solve(
                 Residual::Mean => force / scale,
             };
             if residual <= limits.tolerance {
-                return end(NewtonEnd::Converged, residual, at);
+                return end(Ok(()), residual, at);
             }
             if step == limits.steps || diverges || force > 0.5 * before && force < 2.0 * goal {
-                return end(NewtonEnd::Stalled, residual, at);
+                return end(Err(Lost::Gone), residual, at);
             }
         }
         if step >= limits.refresh {
@@ -156,10 +139,8 @@ pub fn solve(
         let cg = CgLimits::new(forcing, limits.products);
         let CgSolution { x: dz, end: cg_end } =
             mechanics.solve_linear(&at.fields, &push, &removed, cg);
-        match cg_end {
-            CgEnd::Cancelled => return end(NewtonEnd::Cancelled, f64::NAN, at),
-            CgEnd::NegativeCurvature => return end(NewtonEnd::NegativeCurvature, f64::NAN, at),
-            CgEnd::Converged | CgEnd::Edge | CgEnd::Budget => {}
+        if let Err(lost) = downhill(cg_end) {
+            return end(Err(lost), f64::NAN, at);
         }
         before = force;
         // A step that leaves the domain of the law (a Mie law at zero gap) is shortened, never
@@ -178,6 +159,15 @@ pub fn solve(
         }
     }
     unreachable!("the last step returns")
+}
+
+/// Whether the solution of a linear solve that ended so is of use.
+pub(super) fn downhill(end: CgEnd) -> Result<(), Lost> {
+    match end {
+        CgEnd::NegativeCurvature => Err(Lost::Unstable),
+        CgEnd::Cancelled => Err(Lost::Cancelled),
+        CgEnd::Converged | CgEnd::Edge | CgEnd::Budget => Ok(()),
+    }
 }
 
 /// Descends to a minimum at a fixed control from anywhere by Newton steps within a trust region, on
@@ -204,11 +194,12 @@ pub fn descend(
         } else {
             f64::NAN
         };
-        let end = match residual <= limits.tolerance {
-            true => Some(NewtonEnd::Converged),
-            false if mechanics.cancel.requested() => Some(NewtonEnd::Cancelled),
-            false if gives_up => Some(NewtonEnd::Stalled),
-            false => None,
+        let end = if residual <= limits.tolerance {
+            Some(Ok(()))
+        } else if mechanics.cancel.requested() {
+            Some(Err(Lost::Cancelled))
+        } else {
+            gives_up.then_some(Err(Lost::Gone))
         };
         if let Some(end) = end {
             return NewtonState {
@@ -243,31 +234,69 @@ pub fn descend(
     unreachable!("the last step returns")
 }
 
-/// `z` moved by less than a mesh spacing so that the pattern's centre lies, along each axis, on a
-/// mesh point or `between` two. There the mesh's own weak pinning vanishes by symmetry; elsewhere
-/// it would keep the residual from converging.
-pub fn centred(system: &System, z: &[f64], between: [bool; 2]) -> Vec<f64> {
-    let half = between.map(|between| if between { 0.5 } else { 0.0 });
-    placed(system, z, |axis, x0| (x0 - half[axis]).round() + half[axis])
-}
+/// Newton-Krylov from an extrapolated guess, accepted only if it is the continuation of the branch.
+#[derive(Clone, Copy, Debug)]
+pub struct NewtonKrylov;
 
-/// `z` moved to the nearest such place of all.
-pub(super) fn held(system: &System, z: &[f64]) -> Vec<f64> {
-    placed(system, z, |_, x0| 0.5 * (2.0 * x0).round())
-}
+/// How much of a state, in ranges, the residual may leave undecided along the softest mode. Close
+/// to where that loses its stiffness the usual residual leaves a hundredth and more, which reads as
+/// straying from the branch.
+const UNDECIDED: f64 = 3e-5;
+/// The sharpest residual, as a share of the usual: below it patterns between mesh points labour on
+/// the mesh's own pull.
+const SHARPEST: f64 = 1e-4;
 
-/// `z` moved along each axis from where its centre lies (mesh spacings) to where that is wanted.
-fn placed(system: &System, z: &[f64], wanted: impl Fn(usize, f64) -> f64) -> Vec<f64> {
-    let grid = system.grid();
-    let slides = system.slides_along();
-    let shift = |axis: usize, pair: usize| {
-        let (re, im) = (z[2 * pair], z[2 * pair + 1]);
-        if !slides[axis] || re.hypot(im) < 1e-3 * norm(z) {
-            return 0.0;
+impl Method for NewtonKrylov {
+    fn name(&self) -> &'static str {
+        "Newton-Krylov"
+    }
+
+    fn locates(&self) -> bool {
+        true
+    }
+
+    fn follow(
+        &mut self,
+        mechanics: &mut Mechanics,
+        branch: &History,
+        from: &Equilibrium,
+        control: f64,
+    ) -> Result<Equilibrium, Lost> {
+        let before = mechanics.transforms();
+        let guess = predicted(mechanics, branch, from, control);
+        let reach = reach(&mechanics.system, &from.state, &guess, control);
+        let limits = limits(&mechanics.system, from);
+        let mut found = solve(mechanics, guess.clone(), control, limits);
+        // No sharper than usual, and still that.
+        if found.end != Err(Lost::Gone)
+            || !(found.residual <= mechanics.system.precision().tolerance())
+        {
+            found = found.converged()?;
         }
-        // u_q ~ e^{-i q x0}: the pattern's centre (or anti-centre) is x0.
-        let x0 = -im.atan2(re) / grid.q1() / grid.spacing();
-        (wanted(axis, x0) - x0) * grid.spacing()
-    };
-    system.moved(z, shift(0, grid.ny), shift(1, 1))
+        let strayed = distance(&guess, &found.at.state.amplitudes) > reach;
+        if strayed || !audit(&mechanics.system, &from.state, &found.at.state) {
+            return Err(Lost::Gone);
+        }
+        let NewtonState {
+            at,
+            residual,
+            steps,
+            ..
+        } = found;
+        Ok(Equilibrium::reached(mechanics, at, residual, steps, before))
+    }
+}
+
+/// What to ask for next to the state `from`: a residual that leaves less than [`UNDECIDED`] open
+/// along its softest mode.
+fn limits(system: &System, from: &Equilibrium) -> NewtonLimits {
+    let usual = NewtonLimits::of(system);
+    let softest = from
+        .stiffness_min
+        .map_or(f64::INFINITY, |stiffness| stiffness.value.abs());
+    let decided = UNDECIDED * system.law().range * softest / system.law().traction_max();
+    NewtonLimits {
+        tolerance: decided.min(usual.tolerance).max(SHARPEST * usual.tolerance),
+        ..usual
+    }
 }

@@ -13,10 +13,10 @@
 //! proof takes 25 and 40 products at n = 64 and 128 where it took 42 and 84.
 
 use super::mechanics::Mechanics;
+use crate::numerics::dense::{add, dot, norm, products, project_out};
+use crate::numerics::eigen::lowest;
 use crate::numerics::krylov::{CgEnd, CgLimits, conjugate_gradients};
-use crate::numerics::lanczos::lowest;
 use crate::numerics::precision::Precision;
-use crate::numerics::vector::{add, dot, norm, products, project_out};
 use crate::physics::system::Fields;
 use ndarray::Array2;
 use rand_distr::{Distribution, StandardNormal};

@@ -7,20 +7,19 @@
 
 mod fold;
 
-use super::Lost;
 use super::class_proof::Known;
-use super::equilibrium::Stiffness;
 use super::mechanics::{Mechanics, Rates};
-use super::newton::{NewtonEnd, NewtonLimits, Residual, descend, solve};
-use crate::numerics::cancel::Cancel;
+use super::method::{Lost, Stiffness};
+use super::newton::{NewtonLimits, Residual, descend, downhill, solve};
+use crate::numerics::dense::dot;
 use crate::numerics::eigen::{EigenLimits, EigenPairs, smallest};
-use crate::numerics::krylov::{CgEnd, CgLimits};
-use crate::numerics::vector::dot;
+use crate::numerics::krylov::CgLimits;
+use crate::numerics::threads::Cancel;
 use crate::physics::control::Control;
-use crate::physics::grid::Grid;
 use crate::physics::indenter::Indenter;
 use crate::physics::law::Law;
 use crate::physics::low_block::{Class, LowBlock};
+use crate::physics::mesh::Grid;
 use crate::physics::preconditioner::class_reach;
 use crate::physics::system::{Evaluation, Fields, State, System, carried};
 
@@ -105,6 +104,11 @@ pub struct Node {
 }
 
 impl Node {
+    /// Mean displacement (length).
+    pub fn u0(&self) -> f64 {
+        self.state.mean_displacement
+    }
+
     /// The smallest eigenvalue under `control` (E* per length). With u0 free no more than that along
     /// the branch, (S + k)/(1 + |dz/du0|^2), which vanishes with it where the control turns back.
     pub fn softness(&self, control: Control) -> f64 {
@@ -192,7 +196,7 @@ impl Sector {
         }
     }
 
-    /// The mechanics.
+    /// Law and cell.
     pub fn system(&self) -> &System {
         &self.mechanics.system
     }
@@ -225,12 +229,7 @@ impl Sector {
         let found =
             self.mechanics
                 .solve_linear(fields, b, removed, CgLimits::new(tolerance, PRODUCTS));
-        match found.end {
-            CgEnd::NegativeCurvature => return Err(Lost::Unstable),
-            CgEnd::Cancelled => return Err(Lost::Cancelled),
-            CgEnd::Converged | CgEnd::Edge | CgEnd::Budget => {}
-        }
-        Ok(found.x)
+        downhill(found.end).map(|()| found.x)
     }
 
     /// The equilibrium at `u0` next to the guess `z`, with everything a node knows, and its fields;
@@ -292,8 +291,8 @@ impl Sector {
             let found = descend(&mut self.mechanics, at.state.amplitudes, u0, radius, limits);
             z = found.at.state.amplitudes;
             match found.end {
-                NewtonEnd::Converged => return Some(z),
-                NewtonEnd::Stalled if found.residual.is_finite() => {}
+                Ok(()) => return Some(z),
+                Err(Lost::Gone) if found.residual.is_finite() => {}
                 _ => return None,
             }
         }
@@ -330,59 +329,30 @@ impl Sector {
         if !self.partial {
             return;
         }
-        let block = self
-            .mechanics
-            .preconditioner
-            .low_block()
-            .expect("an even system has a block");
-        node.own_mode = block.mode(&node.own_waves, self.system());
-        let limits = EigenLimits {
-            pairs: 1,
-            least: 1,
-            most: 4,
-            relative: 0.05,
-            absolute: 1e-3 * self.system().grid().q1(),
-        };
+        node.own_mode = block_of(&self.mechanics).mode(&node.own_waves, self.system());
+        let limits = self.limits([1, 4], [0.05, 1e-3]);
         let start = |mode: &Vec<f64>, known: Option<&Vec<f64>>| {
             known.into_iter().chain([mode]).cloned().collect()
         };
-        let own = self.refine(
-            fields,
-            Class::Symmetric,
-            start(&node.own_mode, before.map(|n| &n.own_mode)),
-            limits,
-        );
-        (node.own, node.own_mode, _) = own;
-        let start = start(&node.breaking_mode, before.map(|n| &n.breaking_mode));
-        let breaking = self.refine(fields, Class::Antisymmetric, start, limits);
-        (node.breaking, node.breaking_mode, _) = breaking;
+        let from = start(&node.own_mode, before.map(|n| &n.own_mode));
+        (node.own, node.own_mode, _) = self.refine(fields, Class::Symmetric, from, limits);
+        let from = start(&node.breaking_mode, before.map(|n| &n.breaking_mode));
+        (node.breaking, node.breaking_mode, _) =
+            self.refine(fields, Class::Antisymmetric, from, limits);
     }
 
     /// The same among the waves of the blocks alone.
     fn soften_in_blocks(&mut self, node: &mut Node, before: Option<&Node>, rates: &Rates) {
-        let block = self
-            .mechanics
-            .preconditioner
-            .low_block()
-            .expect("an even system has a block");
-        let known = before.map(|n| &n.own_waves[..]);
-        let own;
-        (own, node.own_waves) = block.softest(known);
-        let all_positive = block.negative() == 0;
-        node.own = if all_positive {
-            own
-        } else {
-            own.min(-f64::MIN_POSITIVE)
-        };
+        let block = block_of(&self.mechanics);
+        (node.own, node.own_waves) = block.softest(before.map(|n| &n.own_waves[..]));
+        node.own = signed(node.own, block.negative());
         node.breaking = f64::INFINITY;
         let is_ridge = self.is_ridge();
         for (i, block) in self.breaking.iter_mut().enumerate() {
             block.assemble(&self.mechanics.system, &rates.forces, rates.stress);
             let known = before.map(|n| &n.breaking_waves[i][..]);
-            let (mut value, waves) = block.softest(known);
-            if block.negative() > 0 {
-                value = value.min(-f64::MIN_POSITIVE);
-            }
+            let (value, waves) = block.softest(known);
+            let value = signed(value, block.negative());
             if value < node.breaking {
                 (node.breaking, node.breaks_oddly) = (value, i == 1);
             }
@@ -390,6 +360,18 @@ impl Sector {
         }
         if !is_ridge {
             node.breaking_mode = self.breaking[0].mode(&node.breaking_waves[0], self.system());
+        }
+    }
+
+    /// For one eigenpair: fewest and most iterations, and the error at which it is good enough, over
+    /// the eigenvalue and over q1.
+    fn limits(&self, [least, most]: [usize; 2], [relative, absolute]: [f64; 2]) -> EigenLimits {
+        EigenLimits {
+            pairs: 1,
+            least,
+            most,
+            relative,
+            absolute: absolute * self.system().grid().q1(),
         }
     }
 
@@ -444,29 +426,21 @@ impl Sector {
         before: Option<&Vec<f64>>,
     ) -> (f64, Vec<f64>, f64) {
         let (block, waves, of_block) = if class == Class::Symmetric {
-            let block = self.mechanics.preconditioner.low_block();
-            let block = block.expect("an even system has a block");
-            (block, &node.own_waves, node.own)
+            (block_of(&self.mechanics), &node.own_waves, node.own)
         } else {
             (&self.breaking[0], &node.breaking_waves[0], node.breaking)
         };
         let afresh = block.mode(waves, self.system());
-        let mut limits = EigenLimits {
-            pairs: 1,
-            least: 0,
-            most: 12,
-            relative: FOLLOWED,
-            absolute: 1e-4 * self.system().grid().q1(),
-        };
+        let limits = |least| self.limits([least, 12], [FOLLOWED, 1e-4]);
+        let (known, anew) = (limits(0), limits(1));
         if let Some(mode) = before.filter(|mode| !mode.is_empty()) {
-            let found = self.refine(fields, class, vec![mode.clone()], limits);
+            let found = self.refine(fields, class, vec![mode.clone()], known);
             // The block is stiffer than all waves together, as far as it is known.
             if found.0 <= of_block + FOLLOWED * of_block.abs() {
                 return found;
             }
         }
-        limits.least = 1;
-        self.refine(fields, class, vec![afresh], limits)
+        self.refine(fields, class, vec![afresh], anew)
     }
 
     /// The eigenvalue `breaking` of a `node` with these `fields` over all waves of the mesh, not
@@ -475,19 +449,12 @@ impl Sector {
         if self.is_ridge() {
             return;
         }
-        let limits = EigenLimits {
-            pairs: 1,
-            least: 1,
-            most: 10,
-            relative: 0.02,
-            absolute: 3e-4 * self.system().grid().q1(),
-        };
-        (node.breaking, node.breaking_mode, _) = self.refine(
-            fields,
-            Class::Antisymmetric,
+        let (from, limits) = (
             vec![node.breaking_mode.clone()],
-            limits,
+            self.limits([1, 10], [0.02, 3e-4]),
         );
+        (node.breaking, node.breaking_mode, _) =
+            self.refine(fields, Class::Antisymmetric, from, limits);
     }
 
     /// The mode in which `node` breaks its symmetry, as amplitudes of a square even system `to`: a
@@ -543,11 +510,7 @@ impl Sector {
             let EigenPairs {
                 values, residual, ..
             } = odd.lowest(1);
-            let value = if negative > 0 {
-                values[0].min(-f64::MIN_POSITIVE)
-            } else {
-                values[0]
-            };
+            let value = signed(values[0], negative);
             if value < stiffness.value {
                 stiffness = Stiffness {
                     value,
@@ -580,5 +543,19 @@ impl Sector {
             stiffness,
             known,
         })
+    }
+}
+
+fn block_of(mechanics: &Mechanics) -> &LowBlock {
+    let block = mechanics.preconditioner.low_block();
+    block.expect("an even system has a block")
+}
+
+/// The softest eigenvalue of a block with the sign that is known of so many `negative` pivots.
+fn signed(value: f64, negative: usize) -> f64 {
+    if negative > 0 {
+        value.min(-f64::MIN_POSITIVE)
+    } else {
+        value
     }
 }

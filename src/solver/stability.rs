@@ -7,12 +7,12 @@
 //! From one state to another an eigenvalue falls by no more than gamma'' does anywhere on the mesh
 //! (H. Weyl): where that leaves room the last proof still holds, and costs nothing.
 
-use super::equilibrium::{Lost, Stiffness};
 use super::mechanics::Mechanics;
+use super::method::{Lost, Stiffness};
 pub use super::proof::CHANCE;
 use super::proof::{Proof, Proved, odd_above, prove, prove_capped};
+use crate::numerics::dense::{add, dot, norm, project_out, scale};
 use crate::numerics::eigen::{EigenLimits, EigenPairs, smallest};
-use crate::numerics::vector::{add, dot, norm, project_out, scale};
 use crate::physics::system::{Evaluation, Fields, System, carried};
 use rand::Rng;
 use rand_pcg::Pcg64;

@@ -438,7 +438,7 @@ pub(super) fn quoted(cell: &str) -> String {
 #[cfg(test)]
 pub(super) mod tests {
     use super::*;
-    use crate::scene::part::Strategy;
+    use crate::scene::Strategy;
     use crate::solver::methods::MethodKind;
     use crate::study::chart::{Precision, Skipped};
 

@@ -10,7 +10,7 @@ use crate::follow::diagram::{Branch, Diagram, Point};
 use crate::follow::record::StateRecord;
 use crate::follow::run::Report;
 use crate::physics::control::Control;
-use crate::physics::grid::Grid;
+use crate::physics::mesh::Grid;
 use crate::physics::parameter::Dimension;
 use crate::scene::{Model, Scene, edit};
 use ndarray::Array2;

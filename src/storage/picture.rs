@@ -440,7 +440,7 @@ fn wav(samples: &[i16]) -> Vec<u8> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::storage::{open_scene, presets};
+    use crate::storage::{self, open_scene};
     use ndarray::array;
 
     fn own_colours(gap: &Array2<f64>) -> RgbImage {
@@ -482,7 +482,7 @@ mod tests {
     fn a_picture_opens_again_as_its_scene_and_stays_a_picture() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("gap.png");
-        let preset = presets::find("fig2").unwrap();
+        let preset = storage::preset("fig2").unwrap();
         let scene = scene_file::parse(preset.text, preset.name).unwrap();
         write_gap_png(
             &path,

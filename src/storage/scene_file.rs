@@ -10,7 +10,7 @@ use crate::physics::control::Control;
 use crate::physics::indenter::Indenter;
 use crate::physics::law::Shape;
 use crate::physics::parameter::{Parameter, Refusal, Value as Own};
-use crate::scene::units::{LENGTHS, MODULI, SURFACE_ENERGIES, Units, Word};
+use crate::scene::parameter::{LENGTH_UNITS, MODULUS_UNITS, SURFACE_ENERGY_UNITS, Units, Word};
 use crate::scene::{Cell, Drive, LawChoice, Points, Range, Scene, Turn, parameter};
 use std::io::Read;
 use std::path::Path;
@@ -457,11 +457,11 @@ fn units(root: &Section<'_>, body: Option<&Section<'_>>) -> Result<Option<Units>
     let text =
         |key: &str, example: &str| section.text(key, &format!("a unit, as in \"{example}\""));
     Ok(Some(Units {
-        length: word("length", &LENGTHS, text("length", "um")?)?,
-        modulus: word("modulus", &MODULI, text("modulus", "MPa")?)?,
+        length: word("length", &LENGTH_UNITS, text("length", "um")?)?,
+        modulus: word("modulus", &MODULUS_UNITS, text("modulus", "MPa")?)?,
         surface_energy: word(
             "energy",
-            &SURFACE_ENERGIES,
+            &SURFACE_ENERGY_UNITS,
             &section.text_or("energy", "mJ/m^2")?,
         )?,
         contact_modulus: body.number(modulus)?,

@@ -202,13 +202,13 @@ impl<'a> Members<'a> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::storage::presets;
+    use crate::storage;
     use proptest::prelude::*;
 
     /// Numbers that text or single precision would not bring back.
     fn session() -> Session<Vec<f64>> {
         Session {
-            scene: presets::find("rubber").unwrap().scene().unwrap(),
+            scene: storage::preset("rubber").unwrap().scene().unwrap(),
             notes: "Öl, 20 °C\nsecond line".to_owned(),
             window: vec![0.1 + 0.2, -0.0, f64::NAN, f64::INFINITY, 5e-324],
         }

@@ -9,7 +9,7 @@ use super::export::{number as digits, push_row, quoted};
 use super::failure::{self, Section, finite};
 use super::files::{self, Growing};
 use super::scene_file::{self, BYTES_MAX, FORMAT};
-use super::{Failure, presets};
+use super::{Failure, preset, unknown};
 use crate::physics::indenter::Indenter;
 use crate::physics::parameter::{Refusal, number};
 use crate::scene::{Scene, edit};
@@ -89,14 +89,14 @@ fn scene(root: &Section<'_>) -> Result<Scene, Failure> {
         "scene",
         "a preset or the path of a scene file, as in \"fig2\"",
     )?;
-    let scene = match presets::find(word) {
+    let scene = match preset(word) {
         Some(preset) => preset.scene()?,
         None => {
             let typed = files::typed(Path::new(word))?;
             let folder = Path::new(root.file).parent();
             let file = folder.unwrap_or(Path::new("")).join(typed);
             if !file.exists() {
-                return Err(presets::unknown(word));
+                return Err(unknown(word));
             }
             scene_file::load(&file)?
         }

@@ -2,13 +2,12 @@
 
 use super::{Failure, VERSION, files, scene_file};
 use crate::follow::ledger::Ledger;
-use crate::follow::record::StateRecord;
-use crate::follow::run::{LoopRun, Outcome, RivalLoop, nan_max};
+use crate::follow::run::{LoopRun, Outcome, RivalLoop};
 use crate::physics::parameter::Dimension;
-use crate::scene::units::Units;
+use crate::scene::parameter::Units;
 use crate::scene::{Model, Points, Scene};
-use crate::solver::Stop;
-use crate::study::plan::{Plan, predicted_error, promise, reference, stated_error};
+use crate::study::plan::{Plan, predicted_error, promise, reference};
+use crate::study::sweep::{Cell, Measured, column};
 use serde::{Serialize, Serializer};
 use std::path::Path;
 
@@ -57,21 +56,18 @@ pub struct Summary {
     /// How it ended.
     #[serde(flatten)]
     pub end: EndSummary,
-    /// What it loses.
+    /// What it loses, counted twice.
     #[serde(flatten)]
-    pub loss: LossSummary,
+    pub loss: Quantities,
     /// What a reader of these numbers must know.
     pub warnings: Vec<String>,
     /// Other landings of a contested jump, and what the loop then loses.
     pub contested: Vec<Contested>,
     /// What was counted.
-    pub counts: CountSummary,
-    /// Least smallest eigenvalue of all states (E*/L).
-    pub stiffness_min_least: Number,
-    /// Largest error bound of a smallest eigenvalue (E*/L).
-    pub stiffness_error_max: Number,
-    /// Largest residual of all states.
-    pub residual_max: Number,
+    pub counts: Quantities,
+    /// How stable its states are, and how well they were solved.
+    #[serde(flatten)]
+    pub quality: Quantities,
     /// Time on the wall.
     pub wall_seconds: Number,
     /// Time of the processor, all threads.
@@ -81,6 +77,66 @@ pub struct Summary {
     /// What the numbers of a scene with units are in, and its results in SI; else it is not there.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub units: Option<UnitsSummary>,
+}
+
+/// What it loses.
+const LOSS: [&str; 6] = [
+    "dissipated_energy",
+    "stated_error",
+    "released_energy_sum",
+    "released_energy_error",
+    "loop_integral",
+    "ledger_mismatch",
+];
+/// What was counted.
+const COUNTS: [&str; 10] = [
+    "states",
+    "states_not_stable",
+    "jumps",
+    "mesh_jumps",
+    "transitions",
+    "patterned_increments",
+    "transforms",
+    "proof_transforms",
+    "transforms_per_patterned_increment",
+    "iterations",
+];
+/// How stable its states are, and how well they were solved.
+const QUALITY: [&str; 3] = ["stiffness_min_least", "stiffness_error_max", "residual_max"];
+
+/// Numbers that a study can record too, by the names of its [columns](crate::study::sweep::COLUMNS).
+#[derive(Clone, Debug, PartialEq)]
+pub struct Quantities(Vec<(&'static str, Cell)>);
+
+impl Quantities {
+    fn of(names: &[&'static str], measured: &Measured<'_>) -> Self {
+        let cell = |name: &&'static str| Some((*name, column(name)?.of(measured)));
+        Self(names.iter().filter_map(cell).collect())
+    }
+
+    /// That of this name; NaN where it does not exist.
+    pub fn number(&self, name: &str) -> f64 {
+        let found = self.0.iter().find(|(known, _)| *known == name);
+        let numbers = found.map_or_else(Vec::new, |(_, cell)| cell.numbers());
+        numbers.first().copied().unwrap_or(f64::NAN)
+    }
+}
+
+impl Serialize for Quantities {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.collect_map(self.0.iter().map(|(name, cell)| (name, cell)))
+    }
+}
+
+impl Serialize for Cell {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        match self {
+            Cell::Number(x) => Number(*x).serialize(serializer),
+            Cell::Count(n) => n.serialize(serializer),
+            Cell::Numbers(all) => all.serialize(serializer),
+            Cell::Word(word) => word.serialize(serializer),
+        }
+    }
 }
 
 /// How the loop ended.
@@ -98,27 +154,6 @@ pub struct EndSummary {
     pub open_reason: Option<String>,
     /// What to change then.
     pub open_remedy: Option<String>,
-}
-
-/// What the loop loses, counted twice.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct LossSummary {
-    /// What the loop loses, per area over gamma: the sum of the energies released in its jumps (of
-    /// a method whose states are no equilibria, the loop integral); not available unless the loop
-    /// is closed.
-    pub dissipated_energy: Number,
-    /// Its relative error: that of the mesh and that of locating the jumps; not available where no
-    /// accuracy is promised.
-    pub stated_error: Number,
-    /// Sum of the energies released in jumps, per area over gamma.
-    pub released_energy_sum: Number,
-    /// How far that sum may be off because ends of branches are located only so well, over gamma.
-    pub released_energy_error: Number,
-    /// Loop integral of stress du0 over gamma, the check of the loss; not available unless the loop
-    /// is closed.
-    pub loop_integral: Number,
-    /// |loop integral - sum of releases| over the loss; not available where nothing is dissipated.
-    pub ledger_mismatch: Number,
 }
 
 /// The scene, in words and as a file.
@@ -213,31 +248,6 @@ pub struct Contested {
     pub dissipated_energy: Number,
 }
 
-/// What was counted.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct CountSummary {
-    /// Recorded states.
-    pub states: usize,
-    /// Recorded states that are not "converged, stable".
-    pub states_not_stable: usize,
-    /// Jumps of the physics.
-    pub jumps: usize,
-    /// Jumps of the mesh.
-    pub mesh_jumps: usize,
-    /// Transitions without a jump.
-    pub transitions: usize,
-    /// Increments that ended in a pattern other than flat.
-    pub patterned_increments: usize,
-    /// Fourier transforms.
-    pub transforms: usize,
-    /// Those of them that prove that no mode is softer than the ones that are followed.
-    pub proof_transforms: usize,
-    /// Transforms over patterned increments; not available without any.
-    pub transforms_per_patterned_increment: Number,
-    /// Iterations of the method.
-    pub iterations: usize,
-}
-
 /// The paper's method on the same loop in the same process.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Yardstick {
@@ -309,7 +319,12 @@ impl Summary {
         summary.end.stop = "running";
         summary.end.stop_reason =
             Some("not finished: it is still running, or was killed".to_owned());
-        summary.loss.released_energy_sum = Number(f64::NAN);
+        // The sum of nothing yet is none.
+        for (name, cell) in &mut summary.loss.0 {
+            if *name == "released_energy_sum" {
+                *cell = None.into();
+            }
+        }
         summary
     }
 
@@ -323,13 +338,8 @@ impl Summary {
         timed: &Timed,
     ) -> Self {
         let run = &timed.run;
-        let states = &run.record.states;
-        let ledger = run.ledger(model.law.surface_energy);
-        let of =
-            |number: fn(&Ledger) -> Option<f64>| Number::from(ledger.as_ref().and_then(number));
-        let largest = |value: fn(&StateRecord) -> f64| {
-            Number(states.iter().map(value).reduce(nan_max).unwrap_or(f64::NAN))
-        };
+        let measured = Measured::new(scene, model, plan, run, timed.wall_seconds);
+        let ledger = measured.ledger.as_ref();
         Self {
             tackscope: VERSION,
             scene: SceneSummary::new(given, scene),
@@ -337,29 +347,16 @@ impl Summary {
             predicted_error: Number(predicted_error(plan, run)),
             measured_error: Number(f64::NAN),
             method,
-            end: end(run, ledger.as_ref()),
-            loss: LossSummary {
-                dissipated_energy: of(Ledger::dissipated_energy),
-                stated_error: stated_error(model, plan, run).into(),
-                released_energy_sum: Number(run.record.released_energy_sum()),
-                released_energy_error: of(|ledger| Some(ledger.released_energy_error)),
-                loop_integral: of(|ledger| {
-                    Some(ledger.loop_integral).filter(|_| ledger.open.is_none())
-                }),
-                ledger_mismatch: of(Ledger::mismatch),
-            },
-            warnings: warnings(scene, model, run, ledger.as_ref()),
+            end: end(run, ledger),
+            loss: Quantities::of(&LOSS, &measured),
+            warnings: warnings(scene, model, run, ledger),
             contested: run.rivals.iter().map(contested).collect(),
-            counts: counts(run),
-            stiffness_min_least: Number(-largest(|s| -s.stiffness_min).0),
-            stiffness_error_max: largest(|s| s.stiffness_error),
-            residual_max: largest(|s| s.residual),
+            counts: Quantities::of(&COUNTS, &measured),
+            quality: Quantities::of(&QUALITY, &measured),
             wall_seconds: Number(timed.wall_seconds),
             processor_seconds: Number(timed.processor_seconds),
             yardstick: None,
-            units: scene
-                .units
-                .map(|units| in_si(&units, model, run, ledger.as_ref())),
+            units: scene.units.map(|units| in_si(&units, model, run, ledger)),
         }
     }
 }
@@ -471,24 +468,6 @@ fn plan_summary(scene: &Scene, model: &Model, plan: &Plan, deviation: Option<&st
     }
 }
 
-fn counts(run: &LoopRun) -> CountSummary {
-    let (counts, states, tally) = (run.counts, &run.record.states, run.record.tally());
-    let per_increment = (counts.patterned_increments > 0)
-        .then(|| counts.transforms as f64 / counts.patterned_increments as f64);
-    CountSummary {
-        states: states.len(),
-        states_not_stable: states.iter().filter(|s| s.stop != Stop::Stable).count(),
-        jumps: tally.jumps,
-        mesh_jumps: tally.of_the_mesh,
-        transitions: tally.transitions,
-        patterned_increments: counts.patterned_increments,
-        transforms: counts.transforms,
-        proof_transforms: counts.proof_transforms,
-        transforms_per_patterned_increment: per_increment.into(),
-        iterations: counts.iterations,
-    }
-}
-
 impl Yardstick {
     /// The yardstick's numbers beside those of the main run.
     pub fn of(model: &Model, main: &Timed, other: &Timed) -> Self {
@@ -517,6 +496,7 @@ impl Yardstick {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::follow::run::nan_max;
 
     #[test]
     fn a_number_that_is_not_finite_is_said_in_words() {

@@ -14,7 +14,7 @@ use crate::physics::control::Control;
 use crate::physics::indenter::Indenter;
 use crate::physics::parameter::Dimension;
 use crate::physics::pattern::Pattern;
-use crate::physics::theory::flat;
+use crate::physics::theory::critical_length;
 use crate::scene::{Model, Scene};
 
 /// The bracket reaches this much nearer and farther than the extrapolations do, whose third
@@ -201,7 +201,7 @@ pub fn calm(scene: &Scene, model: &Model) -> Option<Calm> {
         reason: format!(
             "{what} {}, and below L_c = {} every wave is stiffer than the law is soft.",
             across.say(model.equivalent_length / rho, 1, "ranges"),
-            across.say(flat::critical_length(&model.law) / rho, 1, "ranges")
+            across.say(critical_length(&model.law) / rho, 1, "ranges")
         ),
     })
 }

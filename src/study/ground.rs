@@ -2,11 +2,11 @@
 //! spectrum with what cuts it off, and its root mean squares beside those of the file.
 
 use crate::numerics::fourier::amplitudes;
-use crate::physics::grid::Grid;
 use crate::physics::indenter::{Indenter, Measured};
 use crate::physics::law::Law;
+use crate::physics::mesh::Grid;
 use crate::physics::topography::{Border, Statistics};
-use crate::scene::units::Units;
+use crate::scene::parameter::Units;
 use ndarray::Array2;
 use std::f64::consts::{PI, TAU};
 

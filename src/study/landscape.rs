@@ -6,8 +6,8 @@
 
 use crate::follow::diagram::{Diagram, Piece, negative_modes};
 use crate::follow::record::StateRecord;
-use crate::numerics::cancel::Cancel;
-use crate::numerics::vector::{add, norm, scale};
+use crate::numerics::dense::{add, norm, scale};
+use crate::numerics::threads::Cancel;
 use crate::physics::control::Control;
 use crate::physics::indenter::Indenter;
 use crate::physics::law::Law;
@@ -17,7 +17,7 @@ use crate::scene::{Model, Scene};
 use crate::solver::Lost;
 use crate::solver::continuation::way;
 use crate::solver::mechanics::Mechanics;
-use crate::solver::steepest::descend;
+use crate::solver::release::steepest_descent;
 use ndarray::Array2;
 use std::f64::consts::PI;
 use std::sync::Arc;
@@ -466,7 +466,7 @@ fn down(mechanics: &mut Mechanics, saddle: &Evaluation, mode: &[f64]) -> Result<
             is_off = is_load && pull < OFF * at.state.control;
             !is_off
         };
-        from = descend(mechanics, &from, &mode, &mut observe)?;
+        from = steepest_descent(mechanics, &from, &mode, &mut observe)?;
         if is_off {
             return Ok(places);
         }

@@ -5,12 +5,12 @@ use super::plan::{OF_HALF_SPACES, rivals};
 use crate::follow::atlas::{Atlas, Cycle, Meshes, Place, Unmapped};
 use crate::follow::record::{Direction, JumpRecord, StateRecord};
 use crate::follow::run::RivalLoop;
-use crate::numerics::cancel::Cancel;
+use crate::numerics::threads::Cancel;
 use crate::physics::body::Body;
 use crate::physics::control::Control;
 use crate::physics::indenter::Indenter;
 use crate::physics::law::Law;
-use crate::physics::mesh_rule;
+use crate::physics::mesh;
 use crate::physics::pattern::Pattern;
 use crate::scene::{Model, Scene};
 use crate::solver::sector::Side;
@@ -37,7 +37,7 @@ pub enum Fineness {
 impl Fineness {
     /// Points along a side of a cell of this `length`.
     pub(super) fn points(self, law: &Law, length: f64) -> usize {
-        mesh_rule::points_at(law, length, self.mu_rho()).max(32)
+        mesh::points_at(law, length, self.mu_rho()).max(32)
     }
 
     /// The mesh number mu_rho that its mesh keeps.
@@ -246,7 +246,7 @@ impl LiveLoop {
             control,
             ..
         } = *atlas.meshes();
-        let mu_rho = mesh_rule::mu_rho(&law, length / square as f64);
+        let mu_rho = mesh::mu_rho(&law, length / square as f64);
         let mut this = Self {
             atlas: atlas.clone(),
             law,
@@ -256,7 +256,7 @@ impl LiveLoop {
             jumps: cycle.jumps.clone(),
             dissipated_energy: cycle.dissipated_energy,
             rivals: Vec::new(),
-            predicted_error: mesh_rule::flat_error(&Body::HalfSpace, &law, length, mu_rho),
+            predicted_error: mesh::flat_error(&law, length, mu_rho),
             points: square,
         };
         let mut known: Vec<Place> = Vec::new();

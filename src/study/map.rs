@@ -17,15 +17,13 @@ use super::sweep::{self, Column, Spacing, Span, Study, column, grid};
 use crate::follow::record::{Direction, JumpRecord, LOCATED};
 use crate::follow::run::{LoopRun, run_loop};
 use crate::follow::walk::WalkOptions;
-use crate::numerics::cancel::Cancel;
-use crate::numerics::threads::side_by_side;
+use crate::numerics::threads::{Cancel, side_by_side};
 use crate::physics::indenter::Indenter;
 use crate::physics::law::Law;
-use crate::physics::mesh_rule::next_fast;
+use crate::physics::mesh::next_fast;
 use crate::physics::parameter::Refusal;
 use crate::physics::pattern::Pattern;
-use crate::scene::part::{Part, Strategy};
-use crate::scene::{Model, Scene, Turn, edit, parameter};
+use crate::scene::{Model, Part, Scene, Strategy, Turn, edit, parameter};
 use std::cmp::Reverse;
 use std::sync::{Mutex, MutexGuard, PoisonError};
 

@@ -1,9 +1,10 @@
 //! The plan: the cheapest model that meets the asked accuracy, in words, with the error and the
 //! cost it expects; and a loop on its strategy, with the loops of other landings and its error bar:
-//! how far its loss and its jumps are from those of a finer mesh.
+//! how far its loss and its jumps are from those of a finer mesh; and the part of the cell of a walk
+//! that a hand leads.
 //!
 //! What a mesh is worth is known beforehand only as a bound
-//! ([`crate::physics::mesh_rule::mesh_error`]): the errors of two scenes on equally fine meshes differ
+//! ([`crate::physics::mesh::mesh_error`]): the errors of two scenes on equally fine meshes differ
 //! by a factor of ten. Afterwards a second, finer mesh tells. The error falls exponentially with the
 //! number of points, so that of the finer mesh hardly counts beside that of the loop.
 
@@ -14,13 +15,12 @@ use crate::follow::ledger::LOSS_MIN;
 use crate::follow::record::JumpRecord;
 use crate::follow::run::{LoopRun, Outcome, Report, RivalLoop, run_loop, walked_after_all};
 use crate::follow::walk::WalkOptions;
-use crate::numerics::cancel::Cancel;
+use crate::numerics::threads::Cancel;
 use crate::physics::body::Body;
 use crate::physics::indenter::Indenter;
-use crate::physics::mesh_rule::{self, flat_error, next_fast};
+use crate::physics::mesh::{self, next_fast};
 use crate::physics::parameter::Refusal;
-use crate::scene::part::{Part, Strategy, no_quarter};
-use crate::scene::{Model, Range, Scene, Turn};
+use crate::scene::{Model, Part, Range, Scene, Strategy, Turn, no_quarter};
 use crate::solver::methods::MethodKind;
 
 /// The decision, with its reason.
@@ -61,6 +61,15 @@ impl Plan {
     }
 }
 
+/// What is expected of a model on flat ground; of a layer nothing is known, and promised.
+fn flat_error(model: &Model) -> f64 {
+    if model.body == Body::HalfSpace {
+        mesh::flat_error(&model.law, model.grid.length, model.mu_rho)
+    } else {
+        1.0
+    }
+}
+
 /// Why a drive has no atlas.
 const NO_TURN: &str = "the atlas holds drives to a fixed turning point";
 
@@ -84,11 +93,7 @@ pub fn plan(scene: &Scene, model: &Model, asked: Option<Strategy>) -> Plan {
     let one_crest = model.body == Body::HalfSpace
         && model.indenter.ground().has_one_crest()
         && !model.grid.is_line();
-    let mesh = if flat {
-        flat_error(&model.body, &model.law, model.grid.length, model.mu_rho)
-    } else {
-        f64::NAN
-    };
+    let mesh = if flat { flat_error(model) } else { f64::NAN };
     let increments = 2.0 * travel(scene, model) / scene.drive.step;
     let transform = |points: f64| 2.5e-9 * points * points.log2().max(1.0);
     let points = (model.grid.points()) as f64;
@@ -215,7 +220,7 @@ fn obstacle(scene: &Scene, model: &Model) -> Option<String> {
         Some(reason)
     } else if !model.law.is_smooth() {
         Some("this law's stiffness jumps, and branches with it".to_owned())
-    } else if !mesh_rule::is_safe(model.mu_rho) {
+    } else if !mesh::is_safe(model.mu_rho) {
         Some(format!(
             "at mu_rho = {:.2} the mesh makes jumps of its own",
             model.mu_rho
@@ -369,7 +374,7 @@ const WITHIN: f64 = 0.2;
 /// finer mesh cannot tell, or not in time. Where its jumps are not the same ones nothing can be
 /// promised: 1.
 pub fn error_bar(scene: &Scene, model: &Model, run: &LoopRun, cancel: &Cancel) -> Option<f64> {
-    let promised = flat_error(&model.body, &model.law, model.grid.length, model.mu_rho) < 1.0;
+    let promised = flat_error(model) < 1.0;
     let ledger = run
         .ledger(model.law.surface_energy)
         .filter(|ledger| !ledger.viscous)?;
@@ -468,4 +473,48 @@ pub fn measured_error(jumps: &[JumpRecord], reference: &[JumpRecord]) -> f64 {
         .zip(&right)
         .map(|(a, b)| share(a.mean_displacement, b.mean_displacement));
     each.fold(share(loss(jumps), loss(reference)), f64::max)
+}
+
+/// On which part of the cell a walk runs that a hand leads, and why.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ModelChoice {
+    /// What the plan says of the scene.
+    pub plan: Plan,
+    /// The part of the cell that the walk represents.
+    pub part: Part,
+    /// Why the walk runs on the whole cell where the plan or the user would have had a part.
+    pub because: Option<String>,
+}
+
+impl ModelChoice {
+    /// What the plan says, where the user has not `asked` for a strategy, unless a part of the cell
+    /// will not do.
+    ///
+    /// # Errors
+    /// The first value of the scene that is not allowed.
+    pub fn of(scene: &Scene, method: MethodKind, asked: Option<Strategy>) -> Result<Self, Refusal> {
+        let model = scene.model()?;
+        let plan = plan(scene, &model, asked).by(method);
+        let part = match plan.strategy {
+            // A hand may go anywhere, so that the walk solves what is shown; the atlas only says
+            // what is ahead.
+            Strategy::Atlas => Part::Quarter,
+            Strategy::Walk(part) => part,
+        };
+        let n = model.grid.nx;
+        let because = if part != Part::Quarter {
+            None
+        } else if !n.is_multiple_of(4) {
+            Some(format!("{n} points a side are no multiple of 4"))
+        } else {
+            // The yardstick stays as it was published, unless somebody asks.
+            (method == MethodKind::Gfmd && asked != Some(Strategy::QUARTER))
+                .then(|| "the paper's method runs as it was published".to_owned())
+        };
+        Ok(Self {
+            plan,
+            part: because.as_ref().map_or(part, |_| Part::Whole),
+            because,
+        })
+    }
 }

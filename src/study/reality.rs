@@ -9,11 +9,11 @@ use crate::follow::flat_branch::FlatBranch;
 use crate::follow::record::{LoopRecord, StateRecord};
 use crate::physics::control::Control;
 use crate::physics::indenter::Indenter;
-use crate::physics::mesh_rule;
+use crate::physics::mesh;
 use crate::physics::parameter::Dimension;
-use crate::physics::theory::{flat, tabor};
+use crate::physics::theory::{critical_length, tabor};
 use crate::physics::topography::{Border, Statistics};
-use crate::scene::units::{Units, significant};
+use crate::scene::parameter::{Units, significant};
 use crate::scene::{Model, Scene};
 use std::f64::consts::PI;
 use std::fmt;
@@ -240,7 +240,7 @@ fn slope(model: &Model) -> Option<Check> {
 
 /// Whether anything can snap.
 fn cell(model: &Model, atoms: Option<&Atoms<'_>>) -> Check {
-    let critical = flat::critical_length(&model.law);
+    let critical = critical_length(&model.law);
     let ratio = model.equivalent_length / critical;
     let mut sentence = if ratio > 1.0 {
         "The cell is long enough for the surface to snap.".to_owned()
@@ -289,7 +289,7 @@ fn mesh(model: &Model, atoms: Option<&Atoms<'_>>) -> Check {
         here += &format!(", spacing {}", units.say(Dimension::Length, spacing));
         below = spacing * units.si(Dimension::Length) < ATOMS;
     }
-    let (verdict, sentence) = if !mesh_rule::is_safe(model.mu_rho) {
+    let (verdict, sentence) = if !mesh::is_safe(model.mu_rho) {
         let why = "Too coarse for this law: some jumps may belong to the mesh.";
         (Verdict::Doubtful, why)
     } else if below {

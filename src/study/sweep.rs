@@ -2,21 +2,21 @@
 //! it, and what is recorded of each; and where its values lie: between two ends, on a grid, or spread
 //! within it.
 //!
-//! The numbers of `summary.json` have the same names here and are the same numbers. Nothing here
+//! Those numbers of `summary.json` that have a name here are read off the same columns. Nothing here
 //! knows files: rows are told one by one as they are found, cheapest first, and
 //! whoever keeps them decides which are still to be computed.
 
 use super::plan::{Plan, enclose, plan, predicted_error, run_planned, stated_error};
 use crate::follow::ledger::Ledger;
-use crate::follow::record::{Cause, Direction, JumpRecord};
+use crate::follow::record::{Cause, Direction, JumpRecord, StateRecord};
 use crate::follow::run::{LoopRun, Outcome, nan_max};
-use crate::numerics::cancel::Cancel;
-use crate::numerics::threads::{FAULT, side_by_side};
+use crate::numerics::threads::{Cancel, FAULT, side_by_side};
 use crate::physics::control::Control;
 use crate::physics::indenter::Indenter;
 use crate::physics::parameter::{Dimension, Refusal, Value};
-use crate::physics::theory::{Units, flat, ridge};
+use crate::physics::theory::{Units, flat_limits, ridge};
 use crate::scene::{Model, Points, Scene, edit, parameter};
+use crate::solver::Stop;
 use crate::solver::methods::MethodKind;
 use rand::{Rng, SeedableRng};
 use rand_pcg::Pcg64;
@@ -302,14 +302,8 @@ impl Study {
         let model = scene.model()?;
         let plan = plan(scene, &model, None);
         let run = run_planned(scene, MethodKind::NewtonKrylov, &plan, cancel, &mut |_| {})?;
-        let measured = Measured {
-            scene,
-            model: &model,
-            plan: &plan,
-            run: &run,
-            ledger: run.ledger(model.law.surface_energy),
-            seconds: began.elapsed().as_secs_f64(),
-        };
+        let seconds = began.elapsed().as_secs_f64();
+        let measured = Measured::new(scene, &model, &plan, &run, seconds);
         let open = measured
             .ledger
             .as_ref()
@@ -363,7 +357,7 @@ impl Study {
 fn beyond_ridges(model: &Model) -> f64 {
     let (law, length) = (&model.law, model.equivalent_length);
     let ridge = Units::of(law, length).restore(ridge::critical().displacement);
-    let upper = flat::limits(law, length).map_or(0.0, |(_, upper)| upper);
+    let upper = flat_limits(law, length).map_or(0.0, |(_, upper)| upper);
     ridge.max(upper) + SPARE * law.range
 }
 
@@ -437,6 +431,26 @@ pub struct Column {
     of: fn(&Measured<'_>) -> Cell,
 }
 
+impl<'a> Measured<'a> {
+    /// A loop that took so many seconds.
+    pub fn new(
+        scene: &'a Scene,
+        model: &'a Model,
+        plan: &'a Plan,
+        run: &'a LoopRun,
+        seconds: f64,
+    ) -> Self {
+        Self {
+            scene,
+            model,
+            plan,
+            run,
+            ledger: run.ledger(model.law.surface_energy),
+            seconds,
+        }
+    }
+}
+
 impl Column {
     /// What stands in it.
     pub fn of(&self, measured: &Measured<'_>) -> Cell {
@@ -505,8 +519,7 @@ columns! {
     "pull_off_force", "the same times the area of the cell, with lengths as in the scene; NaN of a line cell",
         |m| m.run.pull_off().and_then(|stress| m.model.of_cell(stress_given(m, stress))).into();
     "compression_max", "largest mean stress in compression, positive (as the pull-off stress)",
-        |m| m.run.record.states.iter().map(|state| -state.stress)
-            .reduce(nan_max).map(|stress| stress_given(m, stress)).into();
+        |m| largest(m, |state| -state.stress).map(|stress| stress_given(m, stress)).into();
     "closed", "true if the loop was completed and ends in the state with which it began",
         |m| Cell::Word(m.ledger.as_ref().is_some_and(|ledger| ledger.open.is_none()).to_string());
     "contested", "where the surface may land, if that is contested",
@@ -519,13 +532,31 @@ columns! {
         |m| Cell::Word(m.plan.carried_out(m.run.deviation.as_deref()).word().to_owned());
     "states", "recorded states",
         |m| Cell::Count(m.run.record.states.len());
+    "states_not_stable", "recorded states that are not converged and stable",
+        |m| Cell::Count(m.run.record.states.iter().filter(|state| state.stop != Stop::Stable).count());
+    "patterned_increments", "increments that ended in a pattern other than flat",
+        |m| Cell::Count(m.run.counts.patterned_increments);
     "transforms", "Fourier transforms spent on it",
         |m| Cell::Count(m.run.counts.transforms);
+    "proof_transforms", "those of them that prove that no mode is softer than the ones that are followed",
+        |m| Cell::Count(m.run.counts.proof_transforms);
+    "transforms_per_patterned_increment", "transforms over patterned increments; NaN without any",
+        |m| Some(m.run.counts).filter(|counts| counts.patterned_increments > 0)
+            .map(|counts| counts.transforms as f64 / counts.patterned_increments as f64).into();
+    "iterations", "iterations of the method",
+        |m| Cell::Count(m.run.counts.iterations);
     "stiffness_min_least", "least smallest eigenvalue of all states (E\\*/L)",
-        |m| m.run.record.states.iter().map(|state| -state.stiffness_min)
-            .reduce(nan_max).map(|largest| -largest).into();
+        |m| largest(m, |state| -state.stiffness_min).map(|largest| -largest).into();
+    "stiffness_error_max", "largest error bound of a smallest eigenvalue (E\\*/L)",
+        |m| largest(m, |state| state.stiffness_error).into();
+    "residual_max", "largest residual of all states",
+        |m| largest(m, |state| state.residual).into();
     "seconds", "time on the wall, the only column that differs from run to run",
         |m| Cell::Number((m.seconds * 1e4).round() / 1e4);
+}
+
+fn largest(m: &Measured<'_>, number: fn(&StateRecord) -> f64) -> Option<f64> {
+    m.run.record.states.iter().map(number).reduce(nan_max)
 }
 
 fn of_ledger(m: &Measured<'_>, number: fn(&Ledger) -> Option<f64>) -> Cell {

@@ -6,16 +6,13 @@
 //! the bound of [`time_step_limit`] leaves it out too.
 
 use crate::follow::walk::{Progress as Walked, Walk};
-use crate::numerics::cancel::Cancel;
-use crate::numerics::vector::{add, norm, project_out, scale};
+use crate::numerics::dense::{add, norm, project_out, scale};
+use crate::numerics::threads::Cancel;
 use crate::physics::parameter::Refusal;
 use crate::scene::{Model, Scene};
-use crate::solver::Lost;
-use crate::solver::branch::History;
-use crate::solver::equilibrium::Equilibrium;
 use crate::solver::gfmd::{Gfmd, GfmdBudget, time_step_limit};
 use crate::solver::mechanics::{Mechanics, Slides};
-use crate::solver::method::Method;
+use crate::solver::method::{Equilibrium, History, Lost, Method};
 use crate::solver::methods::MethodKind;
 use crate::solver::stability::random_amplitudes;
 use rand::SeedableRng;

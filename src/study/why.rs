@@ -11,10 +11,10 @@ use crate::follow::record::{Cause, Direction, JumpRecord};
 use crate::numerics::fourier::Fourier;
 use crate::physics::body::Body;
 use crate::physics::control::Control;
-use crate::physics::mesh_rule;
+use crate::physics::mesh;
 use crate::physics::parameter::Dimension;
 use crate::physics::pattern::{Island, Pattern, rolled, shift_to_middle};
-use crate::scene::units::fixed;
+use crate::scene::parameter::fixed;
 use crate::scene::{Model, Scene};
 use ndarray::{Array2, ArrayView2, Axis};
 use rustfft::num_complex::Complex;
@@ -294,14 +294,14 @@ impl Words<'_> {
     fn mesh(&self) -> String {
         let Model { grid, law, .. } = self.model;
         let across = self.model.unit_across();
-        let points = mesh_rule::points_for_mu_rho(law, grid.length, mesh_rule::SAFE).ceil();
+        let points = mesh::points_for_mu_rho(law, grid.length, mesh::SAFE).ceil();
         format!(
             "The mesh lies: the edge of the contact moved on by one spacing, {}, which a \
              mesh of μᵨ = {:.2} had held back. With {points:.0} points a side (μᵨ = {}) there is no \
              such jump.",
             across.say(grid.spacing() / law.range, 2, "ranges"),
             self.model.mu_rho,
-            mesh_rule::SAFE
+            mesh::SAFE
         )
     }
 

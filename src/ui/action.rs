@@ -3,9 +3,8 @@
 use crate::follow::record::Direction;
 use crate::follow::walk::Push;
 use crate::plot::style::Colours;
-use crate::scene::Scene;
 use crate::scene::edit::Follows;
-use crate::scene::part::Strategy;
+use crate::scene::{Scene, Strategy};
 use crate::solver::methods::MethodKind;
 use crate::storage::picture::FilmKind;
 use crate::worker::protocol::{Speed, Sweep};

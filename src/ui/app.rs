@@ -1,7 +1,7 @@
 //! The application: takes in what the solver says, draws the panels, and acts on what they ask for.
 
-use super::action::{Action, ViewOptions};
-use super::dialogs::{Dialogs, FileRequest, PathFuture, desktop_chooser};
+use super::action::{Action, FileTask, ViewOptions};
+use super::dialogs::{Dialogs, PathFuture, desktop_chooser};
 use super::files::{Files, page};
 use super::gap_picture::Maps;
 use super::tabs::Tabs;
@@ -9,7 +9,7 @@ use super::view_state::{Begin, ViewState};
 use super::{commands, layout};
 use crate::follow::record::Cause;
 use crate::lessons::Progress;
-use crate::storage::{drawing, picture, presets, scene_file};
+use crate::storage::{self, drawing, picture, scene_file};
 use crate::worker::job::{Job, Reporter};
 use crate::worker::protocol::Event;
 use crate::worker::{self, SolverHandle};
@@ -58,7 +58,7 @@ impl App {
     pub fn with_chooser(
         solver: impl SolverHandle + 'static,
         state: ViewState,
-        chooser: impl FnMut(FileRequest) -> PathFuture + 'static,
+        chooser: impl FnMut(FileTask) -> PathFuture + 'static,
     ) -> Self {
         Self {
             state,
@@ -206,7 +206,7 @@ impl App {
             Action::SetMethod(method) => state.set_method(method),
             Action::SetStrategy(asked) => state.set_strategy(asked),
             Action::SetFollows(follows) => state.follows = follows,
-            Action::LoadPreset(index) => self.load_preset(presets::all().get(index)),
+            Action::LoadPreset(index) => self.load_preset(storage::presets().get(index)),
             Action::Undo => state.undo(),
             Action::Redo => state.redo(),
             Action::AskFile(task) => self.dialogs.ask(task),
@@ -299,7 +299,7 @@ impl App {
 
     /// Opens what a step of a lesson begins with.
     fn begin_step(&mut self, begin: Begin) {
-        self.load_preset(begin.scene.and_then(presets::find));
+        self.load_preset(begin.scene.and_then(storage::preset));
         let tab = begin.tab.and_then(|name| self.tabs.index(name));
         self.state.view.tab = tab.unwrap_or(self.state.view.tab);
     }
@@ -312,7 +312,7 @@ impl App {
         }
     }
 
-    fn load_preset(&mut self, preset: Option<&presets::Preset>) {
+    fn load_preset(&mut self, preset: Option<&storage::Preset>) {
         let Some(preset) = preset else { return };
         match scene_file::parse(preset.text, preset.name) {
             Ok(scene) => self.state.open_scene(scene),

@@ -9,10 +9,9 @@ use super::{grip, sliders};
 use crate::lessons::{self, Question, Stage};
 use crate::physics::law::Shape;
 use crate::plot::style::Colours;
-use crate::scene::edit;
-use crate::scene::part::Strategy;
+use crate::scene::{Strategy, edit};
 use crate::solver::methods::MethodKind;
-use crate::storage::presets;
+use crate::storage;
 use crate::worker::protocol::Sweep;
 use egui::text_edit::TextEditState;
 use egui::{
@@ -206,7 +205,7 @@ fn looks(state: &ViewState) -> Vec<Command> {
 /// The presets, and the scene with another law.
 fn scenes(state: &ViewState) -> Vec<Command> {
     const KEYS: [&str; 9] = ["1", "2", "3", "4", "5", "6", "7", "8", "9"];
-    let presets = presets::all().iter().enumerate().map(|(i, preset)| {
+    let presets = storage::presets().iter().enumerate().map(|(i, preset)| {
         let (name, keys) = (format!("Preset {}", preset.name), KEYS.get(i));
         Command::new(name, keys.unwrap_or(&""), Action::LoadPreset(i))
     });

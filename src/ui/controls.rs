@@ -1,20 +1,25 @@
 //! The left panel: the ground, the law and the machine as pictures to choose from, the cell, whether
-//! the mesh is fine enough, and what is folded away.
+//! the mesh is fine enough; and what is folded away, the experts' numbers.
 
 use super::action::{Action, FileTask};
-use super::advanced;
+use super::sliders;
 use super::theme::{self, Palette};
 use super::view_state::ViewState;
-use super::widgets::{Asks, card, given, labelled, number, own};
+use super::widgets::{
+    Asks, Entry, SEED_MAX, card, checkbox, choosable, given, labelled, number, own, radio, whole,
+};
 use super::words::{self, explain};
+use crate::physics::body::Body;
 use crate::physics::control::Control;
 use crate::physics::indenter::{Indenter, Measured};
-use crate::physics::law::{Law, Shape};
-use crate::physics::mesh_rule;
+use crate::physics::law::Shape;
+use crate::physics::mesh;
 use crate::physics::parameter::Parameter;
 use crate::scene::edit::{self, Follows};
-use crate::scene::parameter;
-use egui::{Mesh, Painter, Rect, RichText, Stroke, StrokeKind, Ui, pos2, vec2};
+use crate::scene::parameter::{self, SUGGESTED, Units};
+use crate::scene::{Points, Range, Scene, Strategy, Turn};
+use crate::solver::methods::MethodKind;
+use egui::{ComboBox, Painter, Rect, RichText, Ui, vec2};
 use std::f64::consts::PI;
 
 /// The panel's contents; it scrolls where the window is low.
@@ -39,9 +44,9 @@ pub fn show(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {
             ui.separator();
             let fold = egui::CollapsingHeader::new("Advanced")
                 .id_salt("advanced")
-                .show(ui, |ui| advanced::show(ui, state, actions));
+                .show(ui, |ui| advanced(ui, state, actions));
             explain(fold.header_response, "Advanced");
-            ui.add(egui::Label::new(RichText::new(advanced::HOLDS).small().weak()).wrap());
+            ui.add(egui::Label::new(RichText::new(HOLDS).small().weak()).wrap());
         });
 }
 
@@ -82,7 +87,7 @@ const ROW: f32 = 28.0;
 /// Whether the mesh is fine enough, in room that is there for either answer.
 fn mesh(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {
     let palette = theme::palette(ui);
-    let fine = state.model.mu_rho <= mesh_rule::SAFE;
+    let fine = state.model.mu_rho <= mesh::SAFE;
     let (mark, words, colour) = if fine {
         ("✔", "Mesh: fine enough", palette.good)
     } else {
@@ -100,7 +105,7 @@ fn mesh(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {
                 .on_hover_text("more points, until it is")
                 .clicked()
         {
-            let (scene, mu) = (&state.scene, 0.98 * mesh_rule::SAFE);
+            let (scene, mu) = (&state.scene, 0.98 * mesh::SAFE);
             let refined = edit::with_mu_rho(scene, &state.model, mu, Follows::Mesh);
             actions.push(Action::edit(refined));
         }
@@ -124,7 +129,7 @@ fn laws(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {
                 let shown = if same { present } else { shape };
                 let name = shape.word().replace('_', " ");
                 let drawn = |painter: &Painter, rect: Rect, palette: &Palette| {
-                    traction(shown, painter, rect, palette);
+                    sliders::traction(shown, painter, rect, palette);
                 };
                 let response = card(ui, ("law", &name), same, vec2(width, 58.0), drawn);
                 let response = response.on_hover_ui(|ui| {
@@ -140,40 +145,9 @@ fn laws(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {
     }
 }
 
-/// The law's traction against the gap.
-fn traction(shape: Shape, painter: &Painter, rect: Rect, palette: &Palette) {
-    let law = Law {
-        shape,
-        surface_energy: 1.0,
-        range: 1.0,
-    };
-    let (top, axis) = (rect.top() + 7.0, rect.bottom() - 17.0);
-    painter.hline(
-        rect.x_range().shrink(6.0),
-        axis,
-        Stroke::new(1.0, palette.flat),
-    );
-    let points = (0..=60)
-        .map(|i| f64::from(i) / 60.0)
-        .filter_map(|t| {
-            let traction = law.at(0.02 + 3.4 * t).traction / law.traction_max();
-            (traction > -0.15).then(|| {
-                pos2(
-                    rect.left() + 6.0 + t as f32 * (rect.width() - 12.0),
-                    axis - traction as f32 * (axis - top),
-                )
-            })
-        })
-        .collect();
-    painter.line(points, Stroke::new(1.8, palette.retraction));
-}
-
 /// Height of a picture, and the room between two (points).
 const HEIGHT: f32 = 50.0;
 const GAP: f32 = 6.0;
-/// Points of an outline.
-const POINTS: usize = 48;
-
 /// The choice, and below it what only this ground has.
 fn grounds(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {
     let (scene, model, all) = (&state.scene, &state.model, Indenter::all());
@@ -186,7 +160,7 @@ fn grounds(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {
             for kind in row {
                 let name = kind.ground().name();
                 let drawn = |painter: &Painter, rect: Rect, palette: &Palette| {
-                    sketch(kind, painter, rect, palette);
+                    sliders::sketch(kind, painter, rect, palette);
                 };
                 let chosen = name == present;
                 let response = card(ui, ("ground", name), chosen, vec2(width, HEIGHT), drawn);
@@ -239,35 +213,6 @@ fn height_file(ui: &mut Ui, measured: &Measured, actions: &mut Vec<Action>) {
     });
 }
 
-/// The outline of a kind of ground, filled to below. Without its numbers: it stands for the kind.
-pub fn sketch(kind: &Indenter, painter: &Painter, rect: Rect, palette: &Palette) {
-    let (left, right) = (rect.left() + 8.0, rect.right() - 8.0);
-    let (top, low) = (rect.top() + 8.0, rect.bottom() - 20.0);
-    let mut filled = Mesh::default();
-    let mut line = Vec::new();
-    for i in 0..=POINTS {
-        let x = i as f32 / POINTS as f32;
-        let height = kind.ground().outline(f64::from(x)) as f32;
-        let at = pos2(left + x * (right - left), low - height * (low - top));
-        filled.colored_vertex(at, palette.indenter);
-        filled.colored_vertex(pos2(at.x, low + 2.0), palette.indenter);
-        line.push(at);
-    }
-    for k in 0..POINTS as u32 {
-        filled.add_triangle(2 * k, 2 * k + 1, 2 * k + 2);
-        filled.add_triangle(2 * k + 1, 2 * k + 2, 2 * k + 3);
-    }
-    painter.add(filled);
-    if matches!(kind, Indenter::Measured(_)) {
-        // The points of a measurement.
-        for at in line.iter().step_by(6) {
-            painter.circle_filled(*at, 2.2, palette.approach);
-        }
-    } else {
-        painter.line(line, Stroke::new(1.4, palette.now));
-    }
-}
-
 /// Stiffness of a spring that is chosen anew, over that of the softest wave of the body: soft
 /// enough that patterns are skipped.
 const SOFT: f64 = 3.0;
@@ -290,7 +235,7 @@ fn machines(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {
             let chosen = kind.word() == present.word();
             let size = vec2(width, 62.0);
             let drawn = |painter: &Painter, rect: Rect, palette: &Palette| {
-                between(kind, painter, rect, palette);
+                sliders::machine(kind, painter, rect, palette);
             };
             let response = card(ui, ("machine", name), chosen, size, drawn);
             if response.on_hover_text(what).clicked() && !chosen {
@@ -313,55 +258,282 @@ fn machines(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {
     }
 }
 
-/// A stage above, the body below, and what is between.
-fn between(kind: Control, painter: &Painter, rect: Rect, palette: &Palette) {
-    let stroke = Stroke::new(1.8, palette.retraction);
-    let (x, top, low) = (rect.center().x, rect.top() + 9.0, rect.bottom() - 30.0);
-    let body = Rect::from_min_max(
-        pos2(rect.left() + 12.0, low),
-        pos2(rect.right() - 12.0, low + 9.0),
-    );
-    painter.rect_filled(body, 2.0, palette.elastomer);
-    let stage = |y: f32| {
-        painter.hline(
-            rect.x_range().shrink(16.0),
-            y,
-            Stroke::new(3.0, palette.approach),
-        )
-    };
-    match kind {
-        Control::Displacement => {
-            stage(top);
-            painter.vline(x, top..=low, Stroke::new(5.0, palette.retraction));
+/// What the fold holds, in a line.
+const HOLDS: &str = "mesh number, points, units, numbers of law and drive, body, accuracy, seed, \
+     model, method";
+
+/// What is folded away.
+fn advanced(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {
+    mesh_number(ui, state, actions);
+    points(ui, state, actions);
+    units(ui, state, actions);
+    law(ui, state, actions);
+    drive(ui, state, actions);
+    elastic_body(ui, state, actions);
+    accuracy_and_seed(ui, state, actions);
+    models(ui, state, actions);
+    methods(ui, state, actions);
+}
+
+fn mesh_number(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {
+    labelled(ui, RichText::new("Mesh number μᵨ").strong(), |ui| {
+        let entry = Entry {
+            name: "Mesh number",
+            value: state.model.mu_rho,
+            range: edit::MU_RHO.0..=edit::MU_RHO.1,
+            speed: 0.002,
+            decimals: 4,
+            suffix: "",
+        };
+        let (entered, response) = entry.show(ui);
+        if let Some(mu) = entered {
+            let scene = edit::with_mu_rho(&state.scene, &state.model, mu, state.follows);
+            actions.push(Action::edit(scene));
         }
-        Control::Spring { .. } => {
-            stage(top);
-            let turns = 7;
-            let zigzag = (0..=turns).map(|i| {
-                let side = match i {
-                    0 => 0.0,
-                    i if i == turns => 0.0,
-                    i if i % 2 == 0 => -6.0,
-                    _ => 6.0,
-                };
-                pos2(x + side, top + (low - top) * i as f32 / turns as f32)
+        response
+    });
+    sliders::mu_rho(ui, state, actions);
+    ui.horizontal_wrapped(|ui| {
+        explain(ui.label("Follows:"), "Follows");
+        for (follows, word) in [(Follows::Range, "range"), (Follows::Mesh, "mesh")] {
+            let radio = radio(ui, &state.follows, &follows, word);
+            explain(radio, word).asks(actions, Action::SetFollows(follows));
+        }
+    });
+}
+
+fn points(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {
+    let (scene, model) = (&state.scene, &state.model);
+    let line = model.grid.is_line();
+    labelled(ui, "Points n", |ui| {
+        let most = if line { 4096 } else { 256 };
+        let text = if scene.cell.points == Points::Auto {
+            format!("auto ({})", model.grid.nx)
+        } else {
+            model.grid.nx.to_string()
+        };
+        let combo = ComboBox::from_id_salt("points")
+            .width(84.0)
+            .selected_text(text)
+            .show_ui(ui, |ui| {
+                if !line
+                    && matches!(scene.law.range, Range::Length(_))
+                    && ui
+                        .selectable_label(scene.cell.points == Points::Auto, "auto")
+                        .clicked()
+                {
+                    actions.push(Action::edit(edit::with_points(scene, model, Points::Auto)));
+                }
+                for n in [16, 24, 32, 48, 64, 96, 128, 192, 256, 512, 1024, 2048, 4096]
+                    .into_iter()
+                    .filter(|&n| n <= most)
+                {
+                    if ui
+                        .selectable_label(model.grid.nx == n, n.to_string())
+                        .clicked()
+                    {
+                        let points = scene.cell.points.resized(n);
+                        actions.push(Action::edit(edit::with_points(scene, model, points)));
+                    }
+                }
             });
-            painter.line(zigzag.collect(), stroke);
+        combo.response
+    });
+    let mut checked = line;
+    let line = checkbox(ui, &mut checked, "Line cell (uniform along y)");
+    if explain(line, "Line cell").changed() {
+        let n = model.grid.nx;
+        let points = if checked {
+            Points::Line(n)
+        } else {
+            Points::Square(n.min(256))
+        };
+        actions.push(Action::edit(edit::with_points(scene, model, points)));
+    }
+}
+
+/// Asks for the scene with one thing changed.
+fn change(state: &ViewState, actions: &mut Vec<Action>, change: impl FnOnce(&mut Scene)) {
+    let mut scene = (*state.scene).clone();
+    change(&mut scene);
+    actions.push(Action::edit(scene));
+}
+
+/// Whether the numbers have units, and what only such a scene has.
+fn units(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {
+    let (scene, model) = (&state.scene, &state.model);
+    let names = ["none: E* is 1", "SI"];
+    let present = names[usize::from(scene.units.is_some())];
+    if let Some(i) = chosen(ui, "Units", present, &names) {
+        change(state, actions, |scene| {
+            scene.units = (i == 1).then_some(SUGGESTED);
+        });
+    }
+    let Some(units) = scene.units else {
+        return;
+    };
+    let value = units.contact_modulus;
+    let word = units.modulus.word;
+    if let Some(modulus) = number(
+        ui,
+        actions,
+        &parameter::CONTACT_MODULUS,
+        value,
+        1e-6..=1e6,
+        word,
+    ) {
+        let scene = edit::with_contact_modulus(scene, model, modulus);
+        actions.push(Action::edit(scene));
+    }
+    let value = units.temperature;
+    if let Some(temperature) = number(ui, actions, &parameter::TEMPERATURE, value, 1.0..=1e4, "K") {
+        let units = Units {
+            temperature,
+            ..units
+        };
+        change(state, actions, |scene| scene.units = Some(units));
+    }
+}
+
+/// The numbers of the cohesive law.
+fn law(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {
+    let (scene, model) = (&state.scene, &state.model);
+    if let Some(value) = given(
+        ui,
+        actions,
+        scene,
+        &parameter::SURFACE_ENERGY,
+        scene.law.surface_energy,
+        1e-6..=1e6,
+    ) {
+        actions.push(Action::edit(edit::with_surface_energy(scene, model, value)));
+    }
+    let shape = scene.law.shape;
+    if let Some(values) = own(ui, actions, shape.parameters(), &shape.values(), model) {
+        actions.push(Action::edit(edit::with_shape(
+            scene,
+            model,
+            shape.with(&values),
+        )));
+    }
+}
+
+/// Where the drive starts and turns, and its step.
+fn drive(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {
+    let (drive, told) = (state.scene.drive, state.told());
+    let (unit, suffix) = (told.unit, told.suffix.trim());
+    let far = -1e4..=1e4;
+    if let Some(value) = number(
+        ui,
+        actions,
+        &parameter::START,
+        drive.start / unit,
+        far.clone(),
+        suffix,
+    ) {
+        change(state, actions, |scene| scene.drive.start = value * unit);
+    }
+    if let Turn::At(turn) = drive.turn
+        && let Some(value) = number(ui, actions, &parameter::TURN, turn / unit, far, suffix)
+    {
+        change(state, actions, |scene| {
+            scene.drive.turn = Turn::At(value * unit);
+        });
+    }
+    if let Some(value) = number(
+        ui,
+        actions,
+        &parameter::STEP,
+        drive.step / unit,
+        1e-5..=10.0,
+        suffix,
+    ) {
+        change(state, actions, |scene| scene.drive.step = value * unit);
+    }
+}
+
+fn accuracy_and_seed(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {
+    let scene = &state.scene;
+    if let Some(value) = number(
+        ui,
+        actions,
+        &parameter::TARGET,
+        scene.accuracy,
+        1e-6..=0.99,
+        "",
+    ) {
+        change(state, actions, |scene| scene.accuracy = value);
+    }
+    let seed = &parameter::SEED;
+    if let Some(seed) = whole(ui, actions, (seed, seed.label), scene.seed, 0..=SEED_MAX) {
+        change(state, actions, |scene| scene.seed = seed);
+    }
+}
+
+fn models(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {
+    explain(ui.label("Model"), "Model");
+    let models = [
+        (
+            None,
+            "plan",
+            "the least that meets the accuracy: a quarter wherever patterns keep their mirror \
+             symmetry",
+        ),
+        (Some(Strategy::WHOLE), "whole cell", "nothing is left out"),
+        (
+            Some(Strategy::QUARTER),
+            "quarter",
+            "even patterns only; modes of other symmetry are watched on the whole cell",
+        ),
+    ];
+    ui.horizontal_wrapped(|ui| {
+        for (asked, word, why) in models {
+            let chosen = state.asked == asked;
+            let radio = radio(ui, &state.asked, &asked, word).on_hover_text(why);
+            let name = format!("Model: {word}");
+            choosable(&radio, egui::Role::RadioButton, chosen, &name);
+            radio.asks(actions, Action::SetStrategy(asked));
         }
-        Control::Load => {
-            // Over a pulley.
-            let (left, right) = (x - 8.0, x + 8.0);
-            painter.circle_stroke(pos2(x, top + 4.0), 8.0, stroke);
-            painter.vline(left, top + 4.0..=low, stroke);
-            painter.vline(right, top + 4.0..=low - 10.0, stroke);
-            let weight = Rect::from_center_size(pos2(right, low - 6.0), vec2(10.0, 9.0));
-            painter.rect(
-                weight,
-                1.0,
-                palette.approach,
-                Stroke::NONE,
-                StrokeKind::Inside,
-            );
-        }
+    });
+}
+
+fn methods(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {
+    explain(ui.label("Method"), "Method");
+    for method in MethodKind::ALL {
+        let radio = radio(ui, &state.method, &method, method.title());
+        explain(radio, method.title()).asks(actions, Action::SetMethod(method));
+    }
+}
+
+/// Which of the `names` of a kind of thing is chosen, if not the present one again.
+fn chosen(ui: &mut Ui, what: &str, present: &str, names: &[&str]) -> Option<usize> {
+    let mut asked = None;
+    labelled(ui, what, |ui| {
+        let combo = ComboBox::from_id_salt(what)
+            .width(84.0)
+            .selected_text(present)
+            .show_ui(ui, |ui| {
+                for (i, name) in names.iter().enumerate() {
+                    let same = *name == present;
+                    if ui.selectable_label(same, *name).clicked() && !same {
+                        asked = Some(i);
+                    }
+                }
+            });
+        combo.response
+    });
+    asked
+}
+
+/// The elastic body: the choice, and below it what only this body has.
+fn elastic_body(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {
+    let (scene, model) = (&state.scene, &state.model);
+    let (body, all) = (scene.body, Body::all());
+    let names: Vec<_> = all.iter().map(|body| body.elastic().name()).collect();
+    let asked = chosen(ui, "Body", body.elastic().name(), &names)
+        .map(|i| all[i].elastic().suited(&model.grid));
+    let edited = own(ui, actions, body.parameters(), &body.values(), model);
+    if let Some(body) = asked.or(edited.map(|values| body.with(&values))) {
+        actions.push(Action::edit(edit::with_body(scene, model, body)));
     }
 }

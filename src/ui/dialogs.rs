@@ -16,19 +16,12 @@ use std::time::Duration;
 /// What a file chooser promises: a path, or nothing.
 pub type PathFuture = Pin<Box<dyn Future<Output = Option<PathBuf>>>>;
 
-/// What is asked of a file chooser.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct FileRequest {
-    /// What the file is for.
-    pub task: FileTask,
-}
-
 /// How often an open desktop chooser is asked for its answer.
 const ASK_AGAIN: Duration = Duration::from_millis(100);
 
 /// The dialogs.
 pub struct Dialogs {
-    chooser: Box<dyn FnMut(FileRequest) -> PathFuture>,
+    chooser: Box<dyn FnMut(FileTask) -> PathFuture>,
     file: Option<FileDialog>,
     /// True while the sheet of keys is shown.
     pub help: bool,
@@ -78,7 +71,7 @@ impl Question {
 
 impl Dialogs {
     /// Dialogs that ask `chooser` for files.
-    pub fn new(chooser: impl FnMut(FileRequest) -> PathFuture + 'static) -> Self {
+    pub fn new(chooser: impl FnMut(FileTask) -> PathFuture + 'static) -> Self {
         Self {
             chooser: Box::new(chooser),
             file: None,
@@ -95,10 +88,7 @@ impl Dialogs {
     /// Opens the dialog of a task, and the desktop's chooser beside it where there is nothing to
     /// decide first.
     pub fn ask(&mut self, task: FileTask) {
-        let pending = task
-            .variants()
-            .is_empty()
-            .then(|| (self.chooser)(FileRequest { task }));
+        let pending = task.variants().is_empty().then(|| (self.chooser)(task));
         self.file = Some(FileDialog {
             task,
             path: task.row().file_name.to_owned(),
@@ -154,7 +144,7 @@ impl Dialogs {
         let open = centred(ctx, file.task.row().title, |ui| {
             if let Some(task) = file.body(ui, &state.notes, actions) {
                 file.note = None;
-                file.pending = Some(chooser(FileRequest { task }));
+                file.pending = Some(chooser(task));
             }
         });
         if !open {
@@ -281,8 +271,8 @@ const HEIGHTS: &[&str] = &[
 ];
 
 /// The desktop's own file chooser (rfd), which runs elsewhere while the window goes on drawing.
-pub fn desktop_chooser(request: FileRequest) -> PathFuture {
-    let (task, row) = (request.task, request.task.row());
+pub fn desktop_chooser(task: FileTask) -> PathFuture {
+    let row = task.row();
     let dialog = rfd::AsyncFileDialog::new().set_title(row.title);
     let dialog = match task {
         FileTask::OpenScene => dialog.add_filter(row.kind, SCENES),

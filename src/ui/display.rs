@@ -9,7 +9,7 @@ use super::app::App;
 use super::theme;
 use super::view_state::ViewState;
 use crate::scene::Scene;
-use crate::storage::{files, presets, read_regular, remove, scene_file};
+use crate::storage::{self, files, read_regular, remove, scene_file};
 use crate::worker::Worker;
 use eframe::EventLoopBuilderHook;
 use egui::Context;
@@ -227,8 +227,8 @@ pub fn begun(state: ViewState) -> (App, impl FnOnce(&Context)) {
 
 /// The preset the window opens with.
 fn opening_scene() -> Result<Scene, String> {
-    let preset = presets::find("fig2")
-        .or_else(|| presets::all().first())
+    let preset = storage::preset("fig2")
+        .or_else(|| storage::presets().first())
         .ok_or("no preset is built in")?;
     scene_file::parse(preset.text, preset.name).map_err(|failure| failure.to_string())
 }

@@ -9,7 +9,7 @@ use super::{grip, headline, sliders, theme};
 use crate::lessons::Hidden;
 use crate::physics::parameter::Dimension;
 use crate::plot::scale;
-use crate::scene::units::fixed;
+use crate::scene::parameter::fixed;
 use egui::{
     Align2, Color32, CursorIcon, Galley, Pos2, Rect, Sense, Shape, Stroke, StrokeKind, Ui,
     UiBuilder, Vec2, pos2, vec2,

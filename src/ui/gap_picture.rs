@@ -4,8 +4,8 @@
 use super::action::ViewOptions;
 use super::theme::rgb;
 use super::view_state::ViewState;
-use crate::physics::grid::Grid;
 use crate::physics::indenter::Indenter;
+use crate::physics::mesh::Grid;
 use crate::physics::pattern::{Island, Pattern, rolled, shift_to_middle};
 use crate::plot::scale::{self, ends};
 use crate::plot::style::Colours;

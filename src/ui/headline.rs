@@ -11,15 +11,15 @@ use super::widgets::{Asks, at_right, checkbox, menu, named, radio_value};
 use super::words::explain;
 use crate::follow::record::{JumpRecord, StateRecord};
 use crate::lessons::Hidden;
-use crate::physics::grid::Grid;
 use crate::physics::indenter::Indenter;
+use crate::physics::mesh::Grid;
 use crate::physics::parameter::Dimension;
 use crate::plot::style::Colours;
-use crate::scene::part::{Part, Strategy};
-use crate::scene::units::fixed;
+use crate::scene::parameter::fixed;
+use crate::scene::{Part, Strategy};
 use crate::solver::Stop;
-use crate::study::plan::{promise, promise_as};
-use crate::worker::protocol::{ModelChoice, Ready};
+use crate::study::plan::{ModelChoice, promise, promise_as};
+use crate::worker::protocol::Ready;
 use egui::{
     Align, Align2, Area, Color32, FontId, Frame, Id, Label, Layout, Order, Response, RichText, Ui,
     vec2,

@@ -10,7 +10,7 @@ use super::view_state::ViewState;
 use super::widgets::{Asks, Entry, at_right, described, named, radio};
 use super::{controls, gap_map, headline, loop_plot, profile, theme, toolbar};
 use crate::lessons::{self, Hidden, Lesson, Progress, Question, Stage};
-use crate::scene::units::fixed;
+use crate::scene::parameter::fixed;
 use crate::solver::Stop;
 use egui::scroll_area::ScrollSource;
 use egui::{

@@ -13,7 +13,7 @@ use crate::physics::parameter::Dimension;
 use crate::plot::loop_panel::{self, place};
 use crate::plot::panel::{Axis, Colour, Label, Panel, Role, Series, Symbol};
 use crate::scene::Model;
-use crate::scene::units::{Unit, fixed};
+use crate::scene::parameter::{Unit, fixed};
 use crate::study::forecast::{Forecast, forecast};
 use crate::worker::protocol::Frame as Picture;
 use egui::{

@@ -15,7 +15,6 @@ pub mod app;
 pub mod theme;
 pub mod view_state;
 
-mod advanced;
 mod commands;
 mod controls;
 mod diagram;
@@ -36,5 +35,5 @@ mod widgets;
 mod words;
 
 pub use app::{App, Player};
-pub use dialogs::{FileRequest, PathFuture};
+pub use dialogs::PathFuture;
 pub use display::{begun, display_available, run};

@@ -20,7 +20,7 @@ use crate::physics::law::Law;
 use crate::physics::parameter::Dimension;
 use crate::plot::panel::Colour;
 use crate::plot::scale;
-use crate::scene::units::fixed;
+use crate::scene::parameter::fixed;
 use egui::{
     Align2, Color32, CursorIcon, FontId, Mesh, Pos2, Rect, Sense, Stroke, StrokeKind, Ui, pos2,
     vec2,

@@ -1,16 +1,20 @@
-//! The two sliders: what is driven, beside the map, and the mesh number mu_rho.
+//! What the controls paint themselves. The two sliders: what is driven, beside the map, and the mesh
+//! number mu_rho; and the pictures of a law, a ground and a machine to choose from.
 
 use super::action::Action;
-use super::theme;
+use super::theme::{self, Palette};
 use super::view_state::{Told, ViewState};
 use super::widgets::{Asks, Entry, named};
 use super::words::explain;
+use crate::physics::control::Control;
+use crate::physics::indenter::Indenter;
+use crate::physics::law::{self, Law};
 use crate::plot::scale;
 use crate::scene::edit::{self, MU_RHO, TICKS};
 use egui::accesskit::{Action as Ask, ActionData};
 use egui::{
-    Align2, Button, EventFilter, FontId, Id, Pos2, Rect, Response, Role, Sense, Shape, Stroke,
-    TextStyle, Ui, UiBuilder, WidgetInfo, pos2, vec2,
+    Align2, Button, EventFilter, FontId, Id, Mesh, Painter, Pos2, Rect, Response, Role, Sense,
+    Shape, Stroke, StrokeKind, TextStyle, Ui, UiBuilder, WidgetInfo, pos2, vec2,
 };
 
 /// Accessible name of the slider of the mesh.
@@ -408,6 +412,119 @@ fn speak_mu_rho(ui: &Ui, state: &ViewState, response: &Response, wanted: &mut Op
         });
         if steps != 0.0 {
             *wanted = Some(clamped(mu * 1.02f64.powf(steps)));
+        }
+    }
+}
+
+/// The law's traction against the gap.
+pub fn traction(shape: law::Shape, painter: &Painter, rect: Rect, palette: &Palette) {
+    let law = Law {
+        shape,
+        surface_energy: 1.0,
+        range: 1.0,
+    };
+    let (top, axis) = (rect.top() + 7.0, rect.bottom() - 17.0);
+    painter.hline(
+        rect.x_range().shrink(6.0),
+        axis,
+        Stroke::new(1.0, palette.flat),
+    );
+    let points = (0..=60)
+        .map(|i| f64::from(i) / 60.0)
+        .filter_map(|t| {
+            let traction = law.at(0.02 + 3.4 * t).traction / law.traction_max();
+            (traction > -0.15).then(|| {
+                pos2(
+                    rect.left() + 6.0 + t as f32 * (rect.width() - 12.0),
+                    axis - traction as f32 * (axis - top),
+                )
+            })
+        })
+        .collect();
+    painter.line(points, Stroke::new(1.8, palette.retraction));
+}
+
+/// Points of an outline.
+const OUTLINE: usize = 48;
+
+/// The outline of a kind of ground, filled to below. Without its numbers: it stands for the kind.
+pub fn sketch(kind: &Indenter, painter: &Painter, rect: Rect, palette: &Palette) {
+    let (left, right) = (rect.left() + 8.0, rect.right() - 8.0);
+    let (top, low) = (rect.top() + 8.0, rect.bottom() - 20.0);
+    let mut filled = Mesh::default();
+    let mut line = Vec::new();
+    for i in 0..=OUTLINE {
+        let x = i as f32 / OUTLINE as f32;
+        let height = kind.ground().outline(f64::from(x)) as f32;
+        let at = pos2(left + x * (right - left), low - height * (low - top));
+        filled.colored_vertex(at, palette.indenter);
+        filled.colored_vertex(pos2(at.x, low + 2.0), palette.indenter);
+        line.push(at);
+    }
+    for k in 0..OUTLINE as u32 {
+        filled.add_triangle(2 * k, 2 * k + 1, 2 * k + 2);
+        filled.add_triangle(2 * k + 1, 2 * k + 2, 2 * k + 3);
+    }
+    painter.add(filled);
+    if matches!(kind, Indenter::Measured(_)) {
+        // The points of a measurement.
+        for at in line.iter().step_by(6) {
+            painter.circle_filled(*at, 2.2, palette.approach);
+        }
+    } else {
+        painter.line(line, Stroke::new(1.4, palette.now));
+    }
+}
+
+/// A stage above, the body below, and what is between.
+pub fn machine(kind: Control, painter: &Painter, rect: Rect, palette: &Palette) {
+    let stroke = Stroke::new(1.8, palette.retraction);
+    let (x, top, low) = (rect.center().x, rect.top() + 9.0, rect.bottom() - 30.0);
+    let body = Rect::from_min_max(
+        pos2(rect.left() + 12.0, low),
+        pos2(rect.right() - 12.0, low + 9.0),
+    );
+    painter.rect_filled(body, 2.0, palette.elastomer);
+    let stage = |y: f32| {
+        painter.hline(
+            rect.x_range().shrink(16.0),
+            y,
+            Stroke::new(3.0, palette.approach),
+        )
+    };
+    match kind {
+        Control::Displacement => {
+            stage(top);
+            painter.vline(x, top..=low, Stroke::new(5.0, palette.retraction));
+        }
+        Control::Spring { .. } => {
+            stage(top);
+            let turns = 7;
+            let zigzag = (0..=turns).map(|i| {
+                let side = match i {
+                    0 => 0.0,
+                    i if i == turns => 0.0,
+                    i if i % 2 == 0 => -6.0,
+                    _ => 6.0,
+                };
+                pos2(x + side, top + (low - top) * i as f32 / turns as f32)
+            });
+            painter.line(zigzag.collect(), stroke);
+        }
+        Control::Load => {
+            // Over a pulley.
+            let (left, right) = (x - 8.0, x + 8.0);
+            painter.circle_stroke(pos2(x, top + 4.0), 8.0, stroke);
+            painter.vline(left, top + 4.0..=low, stroke);
+            painter.vline(right, top + 4.0..=low - 10.0, stroke);
+            let weight = Rect::from_center_size(pos2(right, low - 6.0), vec2(10.0, 9.0));
+            painter.rect(
+                weight,
+                1.0,
+                palette.approach,
+                Stroke::NONE,
+                StrokeKind::Inside,
+            );
         }
     }
 }

@@ -2,7 +2,7 @@
 //! mode, theme, help. What has no room goes into the menu at its end.
 
 use super::action::{Action, FileTask, LessonAct, Page, ViewOptions};
-use super::controls;
+use super::sliders;
 use super::theme::{self, Palette};
 use super::view_state::ViewState;
 use super::widgets::{Asks, checkbox, menu, named, radio};
@@ -11,7 +11,7 @@ use crate::follow::record::Direction;
 use crate::lessons;
 use crate::plot::typeset::plain;
 use crate::scene::Scene;
-use crate::storage::presets::{self, Preset};
+use crate::storage::{self, Preset};
 use crate::worker::protocol::{Speed, Sweep};
 use egui::{
     Align, Button, Id, Layout, Painter, Popup, PopupCloseBehavior, Rect, RichText, ScrollArea,
@@ -327,7 +327,7 @@ const TITLED: f32 = 90.0;
 
 /// The scenes of the presets, in their order.
 static SCENES: LazyLock<Vec<Option<Scene>>> = LazyLock::new(|| {
-    presets::all()
+    storage::presets()
         .iter()
         .map(|preset| preset.scene().ok())
         .collect()
@@ -354,13 +354,13 @@ fn cards(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {
     let screen = ui.ctx().content_rect().size();
     let columns = (((screen.x - 40.0) / (CARD.x + GAP)) as usize).clamp(1, COLUMNS);
     ui.set_width(columns as f32 * (CARD.x + GAP) + 6.0);
-    let opened = presets::titled(state.title_opened());
+    let opened = storage::preset_titled(state.title_opened());
     ScrollArea::vertical()
         .max_height(screen.y - 90.0)
         .min_scrolled_height(screen.y - 90.0)
         .show(ui, |ui| {
             ui.spacing_mut().item_spacing = vec2(GAP, GAP);
-            for (row, presets) in presets::all().chunks(columns).enumerate() {
+            for (row, presets) in storage::presets().chunks(columns).enumerate() {
                 ui.horizontal(|ui| {
                     for (column, preset) in presets.iter().enumerate() {
                         let index = row * columns + column;
@@ -444,13 +444,13 @@ fn thumbnail(preset: &Preset, index: usize, painter: &Painter, rect: Rect, palet
     }
     if let Some(Some(scene)) = SCENES.get(index) {
         let ground = Rect::from_min_max(pos2(split + 8.0, inside.top()), inside.max);
-        controls::sketch(&scene.indenter, painter, ground, palette);
+        sliders::sketch(&scene.indenter, painter, ground, palette);
     }
 }
 
 /// A button to what there is to see in the preset that was opened, if it was one.
 fn look_for(ui: &mut Ui, state: &ViewState) {
-    let Some(preset) = presets::titled(state.title_opened()) else {
+    let Some(preset) = storage::preset_titled(state.title_opened()) else {
         return;
     };
     let what = ["What to look for", "what to look for in this preset"];

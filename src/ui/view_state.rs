@@ -1,32 +1,28 @@
 //! Everything the window shows, as plain data: built and updated without egui.
 
 mod foresight;
-mod lesson;
 mod plots;
 mod run;
 mod session;
 mod stored;
 
 pub use foresight::{Beside, Foresight};
-pub use lesson::{Begin, Hint};
 pub use plots::{Ghost, Kept, KeptLoops, LiveView, Plots};
-pub use run::{ClosedLoop, Origin, Pushed, RunView, Selection, Told};
-pub use session::{Extent, History, Past, Saved};
+pub use run::{ClosedLoop, Hint, Origin, Pushed, RunView, Selection, Told};
+pub use session::{Begin, Extent, History, Past, Saved};
 pub use stored::{Films, Store, Stretch, foreseen, stretches};
 
 use super::action::ViewOptions;
 use crate::follow::record::{JumpRecord, StateRecord};
 use crate::lessons::Progress;
-use crate::numerics::cancel::Cancel;
+use crate::numerics::threads::Cancel;
 use crate::physics::indenter::Indenter;
 use crate::physics::parameter::{Dimension, Refusal, Value};
-use crate::physics::theory::flat;
+use crate::physics::theory::flat_limits;
 use crate::plot::curve::Curve;
 use crate::plot::loop_panel::{flat_state, loss};
 use crate::scene::edit::Follows;
-use crate::scene::part::Strategy;
-use crate::scene::{Model, Scene};
-use crate::scene::{edit, parameter};
+use crate::scene::{Model, Scene, Strategy, edit, parameter};
 use crate::solver::methods::MethodKind;
 use crate::worker::job::Job;
 use crate::worker::protocol::{
@@ -189,7 +185,7 @@ impl ViewState {
         state.opened.guessing = true;
         let (law, length) = (state.model.law, state.model.equivalent_length);
         let driven = !state.scene.control().frees_mean();
-        let limits = flat::limits(&law, length);
+        let limits = flat_limits(&law, length);
         let is_flat = state.model.indenter == Indenter::Flat && driven;
         if let Some((_, upper)) = limits.filter(|_| is_flat) {
             let step = state.scene.drive.step;
@@ -382,22 +378,14 @@ impl ViewState {
         }
         if let Some(from) = run.from.take() {
             // A session that goes on from a state rests there.
-            if run.play == Play::ToTarget && self.target == from.record.control {
+            if run.play == Play::ToTarget(from.record.control) {
                 told.motion = motion;
             }
             commands.push(Command::GoOn { motion, from });
         }
         if std::mem::replace(&mut told.motion, motion) != motion {
-            commands.push(match run.play {
-                Play::Rest => Command::Stop { motion },
-                Play::ToTarget => Command::SetTarget {
-                    motion,
-                    control: self.target,
-                },
-                Play::Sweep(sweep) => Command::Sweep { motion, sweep },
-                Play::Pressed(push) => Command::Press { motion, push },
-                Play::LetGo(push) => Command::LetGo { motion, push },
-            });
+            let play = run.play;
+            commands.push(Command::Play { motion, play });
         }
         if std::mem::replace(&mut told.paused, run.paused) != run.paused {
             commands.push(Command::Pause { paused: run.paused });

@@ -5,7 +5,7 @@ use super::action::Action;
 use super::theme::{self, Palette};
 use super::words::{explain, explain_parameter};
 use crate::physics::parameter::{Dimension, Parameter, Value, number as plain};
-use crate::scene::units::unsigned_zero;
+use crate::scene::parameter::unsigned_zero;
 use crate::scene::{Model, Scene};
 use crate::worker::job::Job;
 use egui::emath::format_with_decimals_in_range;

@@ -1,20 +1,18 @@
 //! What is computed in the background, with partial results as they come: for the window, beside
 //! the walk, which time steps GFMD survives, speed against accuracy, every branch of equilibria, a
-//! page of the paper, the live loop and the states that it foresees; for the command line the paper's figures, several at once, one on each
-//! core.
+//! page of the paper, the live loop and the states that it foresees; for the command line the paper's
+//! figures, several at once, one on each core.
 
 use super::job::{Pace, Reporter};
 use super::protocol::{LiveState, Stored};
 use super::system::{self, Instant};
 use crate::follow::diagram::Diagram;
 use crate::follow::walk::{Walk, WalkOptions};
-use crate::numerics::cancel::Cancel;
-use crate::numerics::threads::FAULT;
+use crate::numerics::threads::{Cancel, FAULT};
 use crate::paper::errata::{Erratum, errata};
-use crate::paper::overlay::ZeroRange;
 use crate::paper::{Entry, Figure, GALLERY, Size, Stopped, Task};
-use crate::scene::part::Part;
-use crate::scene::{Model, Scene};
+use crate::plot::curve::ZeroRange;
+use crate::scene::{Model, Part, Scene};
 use crate::solver::Lost;
 use crate::study::chart::{self, Effort, Judged, News};
 use crate::study::live_loop::{Fineness, LiveLoops, Spot};
@@ -300,8 +298,8 @@ pub enum Progress {
 }
 
 /// Computes the figures in this order, as many at a time as there are cores, those that can be of
-/// another scene than the paper's of `scene`; `tell` is called on this thread. After a request to stop every figure is still answered for, most of them by
-/// [`Stopped::Cancelled`].
+/// another scene than the paper's of `scene`; `tell` is called on this thread. After a request to
+/// stop every figure is still answered for, most of them by [`Stopped::Cancelled`].
 pub fn compute(
     entries: &[&Entry],
     size: Size,

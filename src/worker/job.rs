@@ -1,8 +1,7 @@
 //! A computation in the background: begun, heard of while it goes on, and stopped by dropping it.
 
 use super::system::{self, Instant};
-use crate::numerics::cancel::Cancel;
-use crate::numerics::threads::FAULT;
+use crate::numerics::threads::{Cancel, FAULT};
 use crossbeam_channel::{Receiver, Sender, unbounded};
 use std::any::Any;
 use std::panic::{AssertUnwindSafe, catch_unwind};

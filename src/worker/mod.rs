@@ -6,14 +6,11 @@
 pub mod background;
 pub mod job;
 pub mod protocol;
-pub mod rehearsal;
 pub mod session;
-pub mod signals;
 
 mod run_loop;
-mod setup;
 mod system;
 
 pub use protocol::SolverHandle;
-pub use run_loop::Worker;
-pub use system::play;
+pub use run_loop::{Worker, rehearse};
+pub use system::{cancel_on_signal, play};

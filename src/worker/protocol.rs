@@ -6,12 +6,11 @@ use crate::follow::ledger::Ledger;
 use crate::follow::record::{JumpRecord, LoopRecord, StateRecord};
 use crate::follow::walk::{Push, Walk};
 use crate::physics::system::Fields;
-use crate::scene::part::{Part, Strategy};
-use crate::scene::{Model, Scene};
-use crate::solver::equilibrium::Equilibrium;
+use crate::scene::{Model, Part, Scene, Strategy};
+use crate::solver::method::Equilibrium;
 use crate::solver::methods::MethodKind;
 use crate::study::live_loop::{Fineness, LiveLoop};
-use crate::study::plan::Plan;
+use crate::study::plan::ModelChoice;
 use ndarray::Array2;
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
@@ -35,19 +34,20 @@ pub enum Sweep {
     Loop,
 }
 
-/// What the surface is doing, or is asked to do.
+/// What the surface is doing, or is asked to do; the latest wins.
 #[derive(Clone, Copy, Debug, PartialEq, Default)]
 pub enum Play {
-    /// Nothing.
+    /// Nothing: the present target and sweep are dropped; answers within 50 ms with [`Event::Rest`].
     #[default]
     Rest,
-    /// It walks to the target.
-    ToTarget,
+    /// It walks to this value of the control: u0, the stage's position (length), or the load per area
+    /// (E*). The path already gone is kept.
+    ToTarget(f64),
     /// It walks by itself.
     Sweep(Sweep),
-    /// It is held pressed.
+    /// It is held pressed where it rests; [`Event::Pressed`] says with how much energy.
     Pressed(Push),
-    /// It was let go, and comes to rest at the same control.
+    /// It was let go that is, or were, pressed so, and comes to rest at the same control.
     LetGo(Push),
 }
 
@@ -108,19 +108,12 @@ pub enum Command {
         /// The state on which it rests.
         from: Option<Arc<Resumed>>,
     },
-    /// Walk towards this value of the control (latest wins; the path already gone is kept).
-    SetTarget {
+    /// Do this.
+    Play {
         /// Its number.
         motion: Motion,
-        /// u0, the stage's position (length), or the load per area (E*).
-        control: f64,
-    },
-    /// Walk by itself.
-    Sweep {
-        /// Its number.
-        motion: Motion,
-        /// Which way.
-        sweep: Sweep,
+        /// What.
+        play: Play,
     },
     /// Take a stored state as the present one. Of the path so far what led to it stays, if it is of
     /// this path; [`Event::Cut`] says so.
@@ -130,29 +123,10 @@ pub enum Command {
         /// The state.
         from: Arc<Stored>,
     },
-    /// Hold the resting surface pressed; [`Event::Pressed`] says with how much energy.
-    Press {
-        /// Its number.
-        motion: Motion,
-        /// How.
-        push: Push,
-    },
-    /// Let the surface go that is, or were, pressed so.
-    LetGo {
-        /// Its number.
-        motion: Motion,
-        /// How.
-        push: Push,
-    },
     /// Hold or go on.
     Pause {
         /// True to hold.
         paused: bool,
-    },
-    /// Drop the present target and sweep; answers within 50 ms with [`Event::Rest`].
-    Stop {
-        /// Its number.
-        motion: Motion,
     },
     /// Show sweeps and jumps at this speed from now on.
     SetSpeed {
@@ -194,6 +168,14 @@ impl Frame {
             soft_mode: None,
             relaxing: false,
             state: None,
+        }
+    }
+
+    /// Of a surface that is no equilibrium: it jumps, or is pressed.
+    pub fn moving(control: f64, [u0, stress]: [f64; 2], gap: Arc<Array2<f64>>) -> Self {
+        Self {
+            relaxing: true,
+            ..Self::of_a_branch(control, [u0, stress], gap)
         }
     }
 
@@ -314,17 +296,6 @@ pub struct Ready {
     pub choice: ModelChoice,
 }
 
-/// Which model runs, and why.
-#[derive(Clone, Debug, PartialEq)]
-pub struct ModelChoice {
-    /// What the plan says of the scene.
-    pub plan: Plan,
-    /// The part of the cell that the walk represents.
-    pub part: Part,
-    /// Why the walk runs on the whole cell where the plan or the user would have had a part.
-    pub because: Option<String>,
-}
-
 /// The result of a drive from the start to the turn and back.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LoopSummary {
@@ -391,6 +362,16 @@ pub enum Event {
     Remodelled(ModelChoice),
     /// Something went wrong; the last good state stays.
     Failed(Failure),
+}
+
+impl Event {
+    /// Something went wrong: what happened, and what to do about it.
+    pub fn failed(message: impl Into<String>, remedy: impl Into<String>) -> Self {
+        Self::Failed(Failure {
+            message: message.into(),
+            remedy: remedy.into(),
+        })
+    }
 }
 
 /// A solver as the window sees it, with what is computed beside it: a thread, or a session stepped

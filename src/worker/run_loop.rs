@@ -1,14 +1,18 @@
-//! The two threads: the solver's, commands in, events out, the newest picture in a mailbox; and
-//! beside it the live loop's, where the newest scene wins: a coarse loop first, a finer one when
-//! the hand rests.
+//! Who steps a session. The two threads: the solver's, commands in, events out, the newest picture in
+//! a mailbox; and beside it the live loop's, where the newest scene wins: a coarse loop first, a finer
+//! one when the hand rests. And a lesson performed without a window: a session does what the learner
+//! would do, and every condition must be met by it, and by it alone.
 
 use super::background::live_state;
 use super::job::{Wake, Work};
-use super::protocol::{Command, Envelope, Event, Failure, LiveState, RunId, SolverHandle};
+use super::protocol::{Command, Envelope, Event, LiveState, Play, RunId, SolverHandle, Sweep};
 use super::session::Session;
 use super::system::{self, Instant, JoinHandle};
-use crate::numerics::cancel::Cancel;
-use crate::scene::{Drive, Model, Scene};
+use crate::follow::record::LoopRecord;
+use crate::lessons::{Act, Facts, Lesson, Progress, Question};
+use crate::numerics::threads::Cancel;
+use crate::scene::{Drive, Model, Scene, edit};
+use crate::solver::methods::MethodKind;
 use crate::study::live_loop::{Fineness, LiveLoops};
 use crossbeam_channel::{Receiver, RecvTimeoutError, Sender, TryRecvError, bounded, unbounded};
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -77,7 +81,13 @@ impl SolverHandle for Worker {
         }
         if matches!(
             command.message,
-            Command::SetScene { .. } | Command::GoOn { .. } | Command::Stop { .. } | Command::Quit
+            Command::SetScene { .. }
+                | Command::GoOn { .. }
+                | Command::Play {
+                    play: Play::Rest,
+                    ..
+                }
+                | Command::Quit
         ) {
             self.cancel.request();
         }
@@ -199,13 +209,11 @@ fn guarded(
             .map(|s| (*s).to_owned())
             .or_else(|| panic.downcast_ref::<String>().cloned());
         session.recover();
-        sink(Event::Failed(Failure {
-            message: format!(
-                "The solver stopped with a fault of its own: {}",
-                words.unwrap_or_else(|| "no words".into())
-            ),
-            remedy: "It rests on the last good state. Please save the scene and report it.".into(),
-        }));
+        let words = words.unwrap_or_else(|| "no words".into());
+        sink(Event::failed(
+            format!("The solver stopped with a fault of its own: {words}"),
+            "It rests on the last good state. Please save the scene and report it.",
+        ));
     }
 }
 
@@ -304,11 +312,175 @@ fn run_live(wanted: &Receiver<Wanted>, mut loops: LiveLoops, tell: &dyn Fn(Envel
     }
 }
 
+/// Longer than any pause between two states.
+const LATER: Duration = Duration::from_secs(3600);
+
+/// Performs a lesson, its scenes found by `scene`; returns what was explained, step by step.
+///
+/// # Errors
+/// The first step whose condition is met before anything was done, or not met after it, or whose
+/// explanation lacks a number.
+pub fn rehearse(
+    lesson: &Lesson,
+    scene: &dyn Fn(&str) -> Result<Scene, String>,
+    cancel: &Cancel,
+) -> Result<Vec<String>, String> {
+    let mut progress = Progress::new(lesson);
+    let mut rehearsal = None;
+    let mut told = Vec::new();
+    while let Some(step) = progress.step(lesson) {
+        let fault = |why: String| format!("{}, step {}: {why}", lesson.name, progress.step + 1);
+        let text = progress.filled(&step.text);
+        if let Some(name) = &step.scene {
+            rehearsal = Some(Rehearsal::new(scene(name).map_err(&fault)?, cancel).map_err(&fault)?);
+        }
+        let Some(rehearsal) = &mut rehearsal else {
+            return Err(fault("no scene is open".to_owned()));
+        };
+        if let Some(question) = progress.asks(lesson) {
+            let answer = match question {
+                Question::Choice { right, .. } => *right as f64,
+                Question::Guess { .. } => 3.0,
+            };
+            let fault = fault("the answer is not taken".to_owned());
+            progress.answer = Some(answer);
+            progress.commit(lesson, &rehearsal.facts());
+            if progress.asks(lesson).is_some() {
+                return Err(fault);
+            }
+        }
+        if let Some(task) = &step.task {
+            let fault = |why: &str| format!("{}, step {}: {why}", lesson.name, progress.step + 1);
+            let met =
+                |rehearsal: &Rehearsal| task.until.iter().all(|c| c.holds(&rehearsal.facts()));
+            if met(rehearsal) {
+                return Err(fault("its condition is met before anything was done"));
+            }
+            for act in &task.act {
+                rehearsal.act(act, cancel).map_err(|why| fault(&why))?;
+            }
+            let fault = fault(&format!("its condition is not met: {:?}", task.until));
+            if !progress.observe(lesson, &rehearsal.facts()) {
+                return Err(fault);
+            }
+        }
+        progress.observe(lesson, &rehearsal.facts());
+        let words = progress.explanation(lesson).unwrap_or_default();
+        if text.contains('{') || words.contains('{') {
+            let number = progress.step + 1;
+            let words = text + " " + &words;
+            return Err(format!(
+                "{}, step {number}: no number for {words}",
+                lesson.name
+            ));
+        }
+        told.push(words);
+        progress.next(lesson);
+    }
+    Ok(told)
+}
+
+/// A session with what it has said.
+struct Rehearsal {
+    scene: Arc<Scene>,
+    model: Model,
+    session: Session,
+    record: LoopRecord,
+    loss: Option<f64>,
+    failed: Option<String>,
+    motion: u64,
+}
+
+impl Rehearsal {
+    fn new(scene: Scene, cancel: &Cancel) -> Result<Self, String> {
+        let model = scene.model().map_err(|error| error.to_string())?;
+        let mut rehearsal = Self {
+            record: LoopRecord::of(scene.control()),
+            scene: Arc::new(scene),
+            model,
+            session: Session::default(),
+            loss: None,
+            failed: None,
+            motion: 0,
+        };
+        let begin = Command::SetScene {
+            scene: rehearsal.scene.clone(),
+            method: MethodKind::default(),
+            asked: None,
+            from: None,
+        };
+        rehearsal.tell(begin, cancel)?;
+        Ok(rehearsal)
+    }
+
+    fn facts(&self) -> Facts<'_> {
+        Facts {
+            scene: &self.scene,
+            model: &self.model,
+            record: &self.record,
+            loss: self.loss,
+        }
+    }
+
+    fn act(&mut self, act: &Act, cancel: &Cancel) -> Result<(), String> {
+        self.motion += 1;
+        let motion = self.motion;
+        match act {
+            Act::GoTo(ranges) => {
+                let control = ranges * self.model.law.range;
+                let play = Play::ToTarget(control);
+                self.tell(Command::Play { motion, play }, cancel)
+            }
+            Act::Loop => {
+                let play = Play::Sweep(Sweep::Loop);
+                self.tell(Command::Play { motion, play }, cancel)
+            }
+            Act::Set(key, value) => {
+                let edited = edit::with_parameter(&self.scene, &self.model, key, *value);
+                let edited = edited.map_err(|error| error.to_string())?;
+                *self = Self::new(edited, cancel)?;
+                Ok(())
+            }
+        }
+    }
+
+    /// Passes a command on, and steps the session until it rests.
+    fn tell(&mut self, message: Command, cancel: &Cancel) -> Result<(), String> {
+        let mut said = Vec::new();
+        let envelope = Envelope { run: 1, message };
+        let session = &mut self.session;
+        session.command(envelope, cancel, &mut |event| said.push(event));
+        let now = Instant::now();
+        while session.wait(now + LATER).is_some() && !cancel.requested() {
+            session.step(now, cancel, &mut |event| said.push(event));
+        }
+        said.into_iter().for_each(|event| self.hear(event));
+        if cancel.requested() {
+            return Err("interrupted".to_owned());
+        }
+        self.failed.take().map_or(Ok(()), Err)
+    }
+
+    fn hear(&mut self, event: Event) {
+        match event {
+            Event::State(state) => self.record.states.push(state),
+            Event::Jump(jump) => self.record.jumps.push(jump),
+            Event::Cut { states, jumps } => {
+                self.record.states.truncate(states);
+                self.record.jumps.truncate(jumps);
+                self.loss = None;
+            }
+            Event::Loop(summary) => self.loss = summary.ledger.dissipated_energy(),
+            Event::Failed(failure) => self.failed = Some(failure.message),
+            _ => {}
+        }
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::scene::tests::fig2;
-    use crate::solver::methods::MethodKind;
 
     #[test]
     fn a_panic_is_told_once_and_the_session_goes_on_from_the_last_good_state() {
@@ -330,9 +502,9 @@ mod tests {
                 asked: None,
                 from: None,
             },
-            Command::SetTarget {
+            Command::Play {
                 motion: 1,
-                control: 4.0,
+                play: Play::ToTarget(4.0),
             },
         ];
         let of_run_3 = |message| Envelope { run: 3, message };
@@ -360,9 +532,9 @@ mod tests {
             panic!("{told:?}")
         };
         assert!(failure.message.contains("a fault for the test"), "{told:?}");
-        let target = of_run_3(Command::SetTarget {
+        let target = of_run_3(Command::Play {
             motion: 2,
-            control: 4.19,
+            play: Play::ToTarget(4.19),
         });
         guarded(&mut session, &post, 3, |session, sink| {
             session.command(target, &cancel, sink);

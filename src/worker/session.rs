@@ -2,17 +2,18 @@
 //! clock they hold.
 
 use super::protocol::{
-    Command, Envelope, Event, Failure, Frame, LoopSummary, Motion, Play, Ready, Recorder, Resumed,
-    RunId, Speed, Stored, Sweep,
+    Command, Envelope, Event, Frame, LoopSummary, Motion, Play, Ready, Recorder, Resumed, RunId,
+    Speed, Stored, Sweep,
 };
-use super::setup::Setup;
 use super::system::Instant;
 use crate::follow::record::{Direction, LoopRecord, StateRecord};
 use crate::follow::run::Itinerary;
-use crate::follow::walk::{Observed, Progress, Push, Stuck, Walk, Widened};
-use crate::numerics::cancel::Cancel;
+use crate::follow::walk::{Observed, Progress, Push, Stuck, Walk, WalkOptions, Widened};
+use crate::numerics::threads::Cancel;
 use crate::physics::parameter::Refusal;
-use crate::scene::part::Part;
+use crate::scene::{Part, Scene};
+use crate::solver::methods::MethodKind;
+use crate::study::plan::ModelChoice;
 use std::sync::Arc;
 use std::time::Duration;
 
@@ -21,6 +22,45 @@ const PACE_STATE: Duration = Duration::from_millis(12);
 /// Shortest time between two pictures of a jump at normal speed, so that it is seen as a short
 /// film.
 const PACE_FILM: Duration = Duration::from_millis(16);
+
+/// A scene with the way it is computed.
+#[derive(Clone, Debug)]
+struct Setup {
+    scene: Arc<Scene>,
+    method: MethodKind,
+    /// The model in use.
+    choice: ModelChoice,
+}
+
+impl Setup {
+    /// A walk at rest at the start of the drive.
+    fn walk(&self, cancel: &Cancel) -> Result<Walk, Refusal> {
+        let options = WalkOptions {
+            part: self.choice.part,
+            ..self.method.into()
+        };
+        Walk::start(&self.scene, options, cancel)
+    }
+
+    /// A walk that stands on a stored state, on the part of the cell on which it was walked; `None`
+    /// if it is not of this scene.
+    fn resume(&mut self, from: &Stored) -> Option<Walk> {
+        if self.choice.part != from.part {
+            (self.choice.part, self.choice.because) = (from.part, None);
+        }
+        let walk = self.walk(&Cancel::default()).ok()?;
+        let fits = walk.system().dimension() == from.surface.state.amplitudes.len();
+        fits.then(|| walk.standing_on(from.surface.clone(), from.record.clone()))
+    }
+
+    /// Goes over to the whole cell, for the reason given. `None` if it was the whole cell already.
+    fn widen(&mut self, walk: &mut Walk, because: &Stuck, cancel: &Cancel) -> Option<Widened> {
+        let widened = walk.widen(because, &self.scene, cancel)?;
+        self.choice.part = Part::Whole;
+        self.choice.because = Some(because.to_string());
+        Some(widened)
+    }
+}
 
 /// A scene being played.
 #[derive(Default)]
@@ -82,12 +122,7 @@ impl Session {
     ) {
         let Envelope { run, message } = command;
         let number = match &message {
-            Command::SetTarget { motion, .. }
-            | Command::Sweep { motion, .. }
-            | Command::GoOn { motion, .. }
-            | Command::Press { motion, .. }
-            | Command::LetGo { motion, .. }
-            | Command::Stop { motion } => *motion,
+            Command::Play { motion, .. } | Command::GoOn { motion, .. } => *motion,
             _ => self.motion,
         };
         let begins = matches!(message, Command::SetScene { .. });
@@ -101,26 +136,35 @@ impl Session {
                 method,
                 asked,
                 from,
-            } => match Setup::new(scene, method, asked) {
-                Ok(setup) => self.begin(run, setup, from.as_deref(), cancel, sink),
+            } => match ModelChoice::of(&scene, method, asked) {
+                Ok(choice) => {
+                    let setup = Setup {
+                        scene,
+                        method,
+                        choice,
+                    };
+                    self.begin(run, setup, from.as_deref(), cancel, sink);
+                }
                 Err(error) => self.refuse(run, error, sink),
             },
-            Command::SetTarget { control, .. } => self.go(Play::ToTarget, control),
-            Command::Sweep { sweep, .. } => self.start_sweep(sweep, cancel, sink),
-            Command::GoOn { from, .. } => self.go_on(&from, sink),
-            Command::Press { push, .. } => {
-                self.press(push, cancel, sink);
-            }
-            Command::LetGo { push, .. } => {
-                if self.press(push, cancel, sink)
-                    && let Some(walk) = &mut self.walk
-                {
-                    walk.let_go(&push);
-                    (self.play, self.not_before) = (Play::LetGo(push), None);
+            Command::Play { play, .. } => match play {
+                Play::Rest => self.rest(sink),
+                Play::ToTarget(control) => self.go(play, control),
+                Play::Sweep(sweep) => self.start_sweep(sweep, cancel, sink),
+                Play::Pressed(push) => {
+                    self.press(push, cancel, sink);
                 }
-            }
+                Play::LetGo(push) => {
+                    if self.press(push, cancel, sink)
+                        && let Some(walk) = &mut self.walk
+                    {
+                        walk.let_go(&push);
+                        (self.play, self.not_before) = (play, None);
+                    }
+                }
+            },
+            Command::GoOn { from, .. } => self.go_on(&from, sink),
             Command::Pause { paused } => self.paused = paused,
-            Command::Stop { .. } => self.rest(sink),
             Command::SetSpeed { speed } => self.speed = speed,
             Command::Quit => {}
         }
@@ -143,10 +187,8 @@ impl Session {
                     pace = self.speed.pause(PACE_FILM);
                     let surface = walk.surface();
                     let at = [surface.mean_displacement, stress];
-                    let frame = Arc::new(Frame {
-                        relaxing: true,
-                        ..Frame::of_a_branch(surface.control, at, Arc::new(walk.gap()))
-                    });
+                    let gap = Arc::new(walk.gap());
+                    let frame = Arc::new(Frame::moving(surface.control, at, gap));
                     self.recorder.moves(&frame);
                     sink(Event::Frame(frame));
                 }
@@ -202,6 +244,13 @@ impl Session {
         }
     }
 
+    /// Takes a walk up where it stands.
+    fn stand(&mut self, mut walk: Walk, sink: &mut dyn FnMut(Event)) {
+        let state = walk.record().clone();
+        self.arrive(&mut walk, state, sink);
+        self.walk = Some(walk);
+    }
+
     /// Records a state on which the walk has come to stand, and hands it out.
     fn arrive(&mut self, walk: &mut Walk, state: StateRecord, sink: &mut dyn FnMut(Event)) {
         let before = [self.record.states.len(), self.record.jumps.len()];
@@ -252,11 +301,9 @@ impl Session {
             return false;
         };
         let part = setup.choice.part;
-        let Some(mut walk) = setup.resume(from) else {
-            sink(Event::Failed(Failure {
-                message: "This state is of another scene.".into(),
-                remedy: "Open that scene, and walk there.".into(),
-            }));
+        let Some(walk) = setup.resume(from) else {
+            let remedy = "Open that scene, and walk there.";
+            sink(Event::failed("This state is of another scene.", remedy));
             return false;
         };
         if part != from.part {
@@ -267,8 +314,7 @@ impl Session {
         self.transforms_before = 0;
         (self.paused, self.recorder) = (false, Recorder::default());
         self.cut([states, jumps], sink);
-        self.arrive(&mut walk, from.record.clone(), sink);
-        self.walk = Some(walk);
+        self.stand(walk, sink);
         if let Some(closed) = self.record.closed() {
             self.close_loop(Some(&closed), Instant::now(), sink);
         }
@@ -297,14 +343,10 @@ impl Session {
                 }
                 _ => {
                     setup.choice.part = part;
-                    sink(Event::Failed(Failure {
-                        message:
-                            "This state is one of a part of the cell alone, and a push has no \
-                            symmetry."
-                                .into(),
-                        remedy: "Choose the whole cell under Advanced, walk here, and push then."
-                            .into(),
-                    }));
+                    sink(Event::failed(
+                        "This state is one of a part of the cell alone, and a push has no symmetry.",
+                        "Choose the whole cell under Advanced, walk here, and push then.",
+                    ));
                     self.rest(sink);
                     return false;
                 }
@@ -316,14 +358,10 @@ impl Session {
         let pressed = walk.pressed(&push);
         let energy = pressed.state.energy - walk.here().state.energy;
         sink(Event::Pressed { energy });
-        sink(Event::Frame(Arc::new(Frame {
-            relaxing: true,
-            ..Frame::of_a_branch(
-                pressed.state.control,
-                [pressed.state.mean_displacement, pressed.state.stress],
-                Arc::new(walk.system().unfolded(&pressed.fields.gap)),
-            )
-        })));
+        let at = [pressed.state.mean_displacement, pressed.state.stress];
+        let gap = Arc::new(walk.system().unfolded(&pressed.fields.gap));
+        let frame = Frame::moving(pressed.state.control, at, gap);
+        sink(Event::Frame(Arc::new(frame)));
         self.play = Play::Pressed(push);
         true
     }
@@ -355,7 +393,7 @@ impl Session {
     ) {
         *self = self.afresh(run);
         match setup.walk(cancel) {
-            Ok(mut walk) => {
+            Ok(walk) => {
                 let system = walk.system();
                 let height = system.height().map(|h| Arc::new(system.unfolded(h)));
                 let ready = Arc::new(Ready {
@@ -373,11 +411,9 @@ impl Session {
                     }
                 }
                 self.record = LoopRecord::of(walk.control());
-                let state = walk.record().clone();
-                let control = state.control;
-                self.arrive(&mut walk, state, sink);
+                let control = walk.record().control;
+                self.stand(walk, sink);
                 sink(Event::Rest { motion: 0, control });
-                self.walk = Some(walk);
             }
             Err(error) => self.refuse(run, error, sink),
         }
@@ -386,10 +422,7 @@ impl Session {
     fn refuse(&mut self, run: RunId, error: Refusal, sink: &mut dyn FnMut(Event)) {
         *self = self.afresh(run);
         let message = format!("This scene cannot run: {} = {}", error.key, error.value);
-        sink(Event::Failed(Failure {
-            message,
-            remedy: error.allowed,
-        }));
+        sink(Event::failed(message, error.allowed));
     }
 
     fn go(&mut self, play: Play, target: f64) {
@@ -411,21 +444,17 @@ impl Session {
         if sweep == Sweep::Loop {
             // A loop is only closed if it begins at the start of the drive, with the scene's own
             // seed.
-            self.walk = setup.walk(cancel).ok();
+            let walk = setup.walk(cancel);
             self.cut([0, 0], sink);
-            if let Some(mut walk) = self.walk.take() {
-                let state = walk.record().clone();
-                self.arrive(&mut walk, state, sink);
-                self.walk = Some(walk);
+            self.walk = None;
+            if let Ok(walk) = walk {
+                self.stand(walk, sink);
             }
             self.loop_began = Some(Instant::now());
             self.transforms_elsewhere = 0;
             self.transforms_before = self.walk.as_ref().map_or(0, |w| w.counts().transforms);
             if let Some((fault, remedy)) = self.record.states.first().and_then(StateRecord::fault) {
-                sink(Event::Failed(Failure {
-                    message: format!("No loop: {fault}."),
-                    remedy,
-                }));
+                sink(Event::failed(format!("No loop: {fault}."), remedy));
                 return self.rest(sink);
             }
         }
@@ -475,12 +504,11 @@ impl Session {
                     sink(Event::Remodelled(setup.choice.clone()));
                     return self.go_on_with(widened, spent, sink);
                 }
-                sink(Event::Failed(Failure {
-                    message: format!("Not converged: {reason}."),
-                    remedy: "The last good state stays. Try a smaller step, a finer mesh (lower \
-                        mu_rho), or another seed."
-                        .into(),
-                }));
+                sink(Event::failed(
+                    format!("Not converged: {reason}."),
+                    "The last good state stays. Try a smaller step, a finer mesh (lower mu_rho), or \
+                     another seed.",
+                ));
                 self.rest(sink);
             }
         }
@@ -500,13 +528,12 @@ impl Session {
             let last = self.record.states.len().saturating_sub(1);
             self.good = Some(self.stored(&walk, [last, self.record.jumps.len()]));
             show_rest(&mut walk, &mut self.recorder, sink);
-        } else {
-            self.cut([0, 0], sink);
-            let state = walk.record().clone();
-            self.arrive(&mut walk, state, sink);
+            self.walk = Some(walk);
+            return;
         }
-        self.walk = Some(walk);
-        if !stays && self.play == Play::Sweep(Sweep::Loop) {
+        self.cut([0, 0], sink);
+        self.stand(walk, sink);
+        if self.play == Play::Sweep(Sweep::Loop) {
             // Back at the start, a loop has all of its way ahead again.
             self.itinerary = self
                 .setup

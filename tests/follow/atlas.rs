@@ -1,18 +1,18 @@
 //! The atlas of branches against the walk on the whole cell, and against itself on finer meshes.
 
 use crate::dense::Dense;
-use crate::loops::{assert_same_jumps, preset, walked};
+use crate::loops::{assert_same_jumps, preset, preset_on, walked};
+use crate::walk::fig2;
 use ndarray::Array2;
-use tackscope::follow::atlas::{Atlas, Cycle, End, Meshes};
-use tackscope::follow::record::JumpRecord;
+use std::sync::OnceLock;
+use tackscope::follow::atlas::{Atlas, Branch, Cycle, End, Meshes};
+use tackscope::follow::record::{JumpRecord, StateRecord};
 use tackscope::follow::run::LoopRun;
 use tackscope::physics::control::Control;
-use tackscope::physics::grid::Grid;
-use tackscope::physics::law::{Law, Morse, Shape};
-use tackscope::physics::mesh_rule::{mesh_error, next_fast};
-use tackscope::physics::theory::flat;
-use tackscope::scene::part::{Part, Strategy};
-use tackscope::scene::{Points, Scene, Turn};
+use tackscope::physics::law::{Law, Mie, Morse, Shape};
+use tackscope::physics::mesh::{Grid, mesh_error, mu_rho, next_fast};
+use tackscope::physics::theory::critical_length;
+use tackscope::scene::{Drive, Part, Points, Scene, Strategy, Turn};
 use tackscope::solver::Stop;
 use tackscope::solver::sector::{Sector, Side};
 use tackscope::study::plan::plan;
@@ -31,6 +31,12 @@ fn planned(scene: &Scene) -> LoopRun {
     let run = crate::loops::planned(scene);
     assert_eq!(run.deviation, None);
     run
+}
+
+/// Of the preset fig2, computed once for all tests.
+fn of_fig2() -> &'static LoopRun {
+    static RUN: OnceLock<LoopRun> = OnceLock::new();
+    RUN.get_or_init(|| planned(&preset("fig2")))
 }
 
 /// The same jumps, each within the walk's bracket of 1e-4 ranges and the asked share, and energies
@@ -55,14 +61,9 @@ fn assert_same(atlas: &[JumpRecord], walk: &[JumpRecord], share: f64) {
 
 #[test]
 fn atlas_and_walk_agree_on_every_jump_of_fig_2() {
-    let scene = preset("fig2");
-    let walk = walked(&scene, Part::Whole);
-    let atlas = planned(&scene);
-    assert_same(&atlas.record.jumps, &walk.record.jumps, 1e-4);
-    let (a, b) = (
-        atlas.record.released_energy_sum(),
-        walk.record.released_energy_sum(),
-    );
+    let [atlas, walk] = [of_fig2(), fig2()].map(|run| &run.record);
+    assert_same(&atlas.jumps, &walk.jumps, 1e-4);
+    let (a, b) = (atlas.released_energy_sum(), walk.released_energy_sum());
     assert!((a / b - 1.0).abs() < 1e-4, "{a} {b}");
 }
 
@@ -70,12 +71,11 @@ fn atlas_and_walk_agree_on_every_jump_of_fig_2() {
 /// energy.
 #[test]
 fn atlas_and_walk_agree_on_the_states_between_the_jumps() {
-    let scene = preset("fig2");
-    let (walk, atlas) = (walked(&scene, Part::Whole), planned(&scene));
-    let strongest = scene.model().unwrap().law.traction_max();
+    let (walk, atlas) = (fig2(), of_fig2());
+    let strongest = morse(1.0).traction_max();
     let mut compared = 0;
     for a in &atlas.record.states {
-        let same = |b: &&tackscope::follow::record::StateRecord| {
+        let same = |b: &&StateRecord| {
             b.direction == a.direction
                 && (b.mean_displacement - a.mean_displacement).abs() < 1e-9
                 && b.pattern == a.pattern
@@ -99,8 +99,8 @@ fn atlas_and_walk_agree_on_the_states_between_the_jumps() {
 }
 
 #[test]
-fn every_state_of_the_plan_is_converged_stable_and_within_its_budget() {
-    let run = planned(&preset("fig2"));
+fn every_state_of_the_plan_is_converged_and_stable_and_its_ledger_closes() {
+    let run = of_fig2();
     for state in &run.record.states {
         assert!(
             state.stop == Stop::Stable && state.residual <= 1e-6,
@@ -114,10 +114,9 @@ fn every_state_of_the_plan_is_converged_stable_and_within_its_budget() {
 
 #[test]
 fn a_longer_cell_and_another_law_agree_with_the_walk_too() {
-    let mut long = preset("fig2");
+    let mut long = preset_on("fig2", Points::Square(96));
     long.cell.length = 512.0;
-    long.cell.points = Points::Square(96);
-    long.drive = tackscope::scene::Drive {
+    long.drive = Drive {
         control: Default::default(),
         start: 6.5,
         turn: Turn::At(0.2),
@@ -131,11 +130,10 @@ fn a_longer_cell_and_another_law_agree_with_the_walk_too() {
         1.5e-3,
     );
 
-    let mut mie = preset("fig2");
-    mie.law.shape = Shape::Mie(tackscope::physics::law::Mie { m: 8.0, n: 2.0 });
+    let mut mie = preset_on("fig2", Points::Square(64));
+    mie.law.shape = Shape::Mie(Mie { m: 8.0, n: 2.0 });
     mie.cell.length = 60.0;
-    mie.cell.points = Points::Square(64);
-    mie.drive = tackscope::scene::Drive {
+    mie.drive = Drive {
         control: Default::default(),
         start: 4.0,
         turn: Turn::At(1.01),
@@ -146,15 +144,8 @@ fn a_longer_cell_and_another_law_agree_with_the_walk_too() {
     let atlas = planned(&mie).record.jumps;
     let walk = (1..=8)
         .map(|seed| {
-            walked(
-                &Scene {
-                    seed,
-                    ..mie.clone()
-                },
-                Part::Whole,
-            )
-            .record
-            .jumps
+            mie.seed = seed;
+            walked(&mie, Part::Whole).record.jumps
         })
         .find(|jumps| jumps[0].to == atlas[0].to);
     assert_same(&atlas, &walk.unwrap(), 5e-4);
@@ -174,20 +165,15 @@ fn a_drive_that_turns_in_mid_branch_is_read_off_too() {
 }
 
 #[test]
-fn the_walk_on_the_even_quarter_agrees_with_the_whole_cell_on_flat_and_uneven_ground() {
-    let scene = preset("fig2");
-    let quarter = walked(&scene, Part::Quarter);
-    assert_same(
-        &quarter.record.jumps,
-        &walked(&scene, Part::Whole).record.jumps,
-        1e-4,
-    );
+fn the_walk_on_the_even_quarter_agrees_with_the_whole_cell_on_flat_ground() {
+    let quarter = walked(&preset("fig2"), Part::Quarter);
+    assert_same(&quarter.record.jumps, &fig2().record.jumps, 1e-4);
 }
 
 #[test]
 fn a_cell_below_the_critical_length_has_no_jump() {
     let law = morse(1.0);
-    let length = 0.99 * flat::critical_length(&law);
+    let length = 0.99 * critical_length(&law);
     let cycle = Atlas::new(Meshes::new(&law, length, 32))
         .cycle(4.0, 0.2)
         .unwrap();
@@ -245,7 +231,7 @@ fn mesh_error_falls_exponentially_and_stays_below_what_is_predicted() {
             (this.dissipated_energy / fine.dissipated_energy - 1.0).abs(),
             f64::max,
         );
-        let mu_rho = tackscope::physics::mesh_rule::mu_rho(&morse(1.0), 256.0 / n as f64);
+        let mu_rho = mu_rho(&morse(1.0), 256.0 / n as f64);
         let predicted = mesh_error(&morse(1.0), 256.0, mu_rho);
         println!("n = {n}: measured {error:.1e}, predicted {predicted:.1e}");
         assert!(error <= predicted, "{n}: {error:e} > {predicted:e}");
@@ -257,7 +243,7 @@ fn mesh_error_falls_exponentially_and_stays_below_what_is_predicted() {
 /// The scene of Fig. 2 under a spring of this stiffness, from flat to flat and back.
 fn sprung(stiffness: f64) -> Scene {
     let mut scene = preset("fig2");
-    scene.drive = tackscope::scene::Drive {
+    scene.drive = Drive {
         control: Control::Spring { stiffness },
         start: 9.0,
         turn: Turn::At(-6.0),
@@ -271,7 +257,7 @@ fn sprung(stiffness: f64) -> Scene {
 #[test]
 fn atlas_and_walk_agree_under_springs_and_a_load() {
     let mut load = preset("fig2");
-    load.drive = tackscope::scene::Drive {
+    load.drive = Drive {
         control: Control::Load,
         start: 0.12,
         turn: Turn::At(-0.05),
@@ -294,7 +280,7 @@ fn atlas_and_walk_agree_under_springs_and_a_load() {
             atlas.record.jumps.iter().any(at)
         };
         for a in atlas.record.states.iter().filter(|a| !jumps(a.control)) {
-            let same = |b: &&tackscope::follow::record::StateRecord| {
+            let same = |b: &&StateRecord| {
                 (b.direction, b.pattern) == (a.direction, a.pattern)
                     && (b.control - a.control).abs() < 1e-12
             };
@@ -343,7 +329,7 @@ fn a_spring_ends_a_branch_where_the_stage_turns_back() {
                 let ratio = (stage(0.02) - stage(0.0)) / (stage(0.01) - stage(0.0));
                 assert!((ratio - 4.0).abs() < 0.3, "{ratio}");
             } else {
-                let same = |other: &&tackscope::follow::atlas::Branch| {
+                let same = |other: &&Branch| {
                     (other.pattern, other.ends[side.index()]) == (branch.pattern, end)
                 };
                 let other = stiff.branches().iter().find(same).unwrap().end(side);

@@ -1,19 +1,17 @@
 //! What a soft machine does instead of a stiff one: the same equilibria, other ends.
 
-use crate::loops::{preset, walked};
+use crate::loops::{preset_on, reach, sequence, start, walked};
 use std::sync::OnceLock;
 use tackscope::follow::record::{Cause, Direction, JumpRecord, StateRecord};
 use tackscope::follow::run::LoopRun;
-use tackscope::follow::walk::{Progress, Walk, WalkOptions};
-use tackscope::numerics::cancel::Cancel;
+use tackscope::follow::walk::Progress;
+use tackscope::numerics::threads::Cancel;
 use tackscope::physics::control::Control;
 use tackscope::physics::indenter::Indenter;
 use tackscope::physics::pattern::Pattern::{self, Bulge, Dimple, Flat, Ridge};
 use tackscope::physics::theory::jkr::Jkr;
-use tackscope::scene::part::Part;
-use tackscope::scene::{Points, Scene, Turn};
+use tackscope::scene::{Part, Points, Scene, Turn};
 use tackscope::solver::mechanics::{Mechanics, Slides};
-use tackscope::solver::methods::MethodKind;
 use tackscope::solver::stability::Tracker;
 
 /// The same scene driven so: start, turn and step.
@@ -26,8 +24,7 @@ pub fn driven(mut scene: Scene, control: Control, [start, turn, step]: [f64; 3])
 
 /// The scene of Fig. 2 under a spring.
 pub fn sprung(stiffness: f64, drive: [f64; 3]) -> Scene {
-    let mut scene = preset("fig2");
-    scene.cell.points = Points::Square(48);
+    let scene = preset_on("fig2", Points::Square(48));
     driven(scene, Control::Spring { stiffness }, drive)
 }
 
@@ -35,11 +32,6 @@ pub fn sprung(stiffness: f64, drive: [f64; 3]) -> Scene {
 pub fn soft() -> &'static LoopRun {
     static RUN: OnceLock<LoopRun> = OnceLock::new();
     RUN.get_or_init(|| walked(&sprung(0.03, [6.0, -2.0, 0.1]), Part::Quarter))
-}
-
-fn sequence(run: &LoopRun, direction: Direction) -> Vec<Pattern> {
-    let jumps = run.record.jumps.iter().filter(|j| j.direction == direction);
-    std::iter::once(Flat).chain(jumps.map(|j| j.to)).collect()
 }
 
 fn find(run: &LoopRun, from: Pattern, direction: Direction) -> &JumpRecord {
@@ -77,14 +69,9 @@ fn a_spring_of_a_million_is_a_driven_displacement_to_1e_6() {
 #[test]
 fn broken_symmetries_stay_at_their_u0_and_patterns_are_skipped_under_a_soft_spring() {
     let run = soft();
-    assert_eq!(
-        sequence(run, Direction::Approach),
-        [Flat, Ridge, Dimple, Flat]
-    );
-    assert_eq!(
-        sequence(run, Direction::Retraction),
-        [Flat, Dimple, Ridge, Flat]
-    );
+    let [down, up] = Direction::BOTH.map(|way| sequence(run, way));
+    assert_eq!(down, [Flat, Ridge, Dimple, Flat]);
+    assert_eq!(up, [Flat, Dimple, Ridge, Flat]);
     let drive = [4.2, 0.2, 0.1];
     let fixed = walked(
         &driven(sprung(1.0, drive), Control::Displacement, drive),
@@ -129,15 +116,10 @@ fn a_fold_under_a_spring_is_where_the_stage_turns_back_along_the_branch() {
     let fold = find(soft(), Dimple, Direction::Approach);
     assert_eq!(fold.cause, Cause::Fold);
     let scene = driven(sprung(1.0, drive), Control::Displacement, drive);
-    let options = WalkOptions {
-        part: Part::Quarter,
-        ..MethodKind::NewtonKrylov.into()
-    };
-    let mut walk = Walk::start(&scene, options, &Cancel::default()).unwrap();
+    let mut walk = start(&scene, Part::Quarter);
     let h = 1e-2;
     let stage = [h, 0.0, -h].map(|away| {
-        walk.set_target(fold.mean_displacement + away);
-        while walk.step(&Cancel::default(), &mut |_| {}) == Progress::Working {}
+        reach(&mut walk, fold.mean_displacement + away);
         let here = walk.record();
         assert_eq!(here.pattern, Dimple);
         here.mean_displacement + here.stress / stiffness
@@ -251,9 +233,7 @@ fn next_to_a_fold_under_a_spring_the_smallest_eigenvalue_vanishes_on_fine_meshes
 
 /// A tip small beside its cell.
 pub fn tip(points: usize) -> Scene {
-    let mut scene = preset("hertz");
-    scene.cell.points = Points::Square(points);
-    scene
+    preset_on("hertz", Points::Square(points))
 }
 
 #[test]
@@ -319,8 +299,7 @@ fn no_state_called_stable_under_a_spring_is_unstable_at_fixed_u0_nor_steeper_tha
     let stiffness = 0.02;
     let mut scene = sprung(stiffness, [7.0, -1.0, 0.1]);
     scene.cell.points = Points::Line(64);
-    let mut walk =
-        Walk::start(&scene, MethodKind::NewtonKrylov.into(), &Cancel::default()).unwrap();
+    let mut walk = start(&scene, Part::Whole);
     let mut fixed = Mechanics::new(
         walk.system().clone().with_control(Control::Displacement),
         Slides::Freely,

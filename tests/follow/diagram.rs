@@ -2,22 +2,21 @@
 //! the walk and the atlas, and itself on another mesh.
 
 use crate::dense::Dense;
-use crate::loops::{flat_ground, planned, preset, walked};
+use crate::loops::{flat_ground, planned, preset, preset_on, walked};
 use ndarray::Array2;
 use std::collections::BTreeSet;
-use tackscope::follow::atlas::{Atlas, Meshes};
+use tackscope::follow::atlas::Atlas;
 use tackscope::follow::diagram::{Branch, Diagram, Ending, Kind, Point};
-use tackscope::follow::record::Cause;
+use tackscope::follow::record::{Cause, JumpRecord};
 use tackscope::follow::run::LoopRun;
-use tackscope::numerics::cancel::Cancel;
-use tackscope::physics::grid::Grid;
+use tackscope::numerics::threads::Cancel;
 use tackscope::physics::law::{Mie, Morse, Shape};
+use tackscope::physics::mesh::Grid;
 use tackscope::physics::pattern::Pattern;
 use tackscope::physics::system::System;
 use tackscope::physics::theory::jkr::{Jkr, PeriodicJkr};
-use tackscope::physics::theory::{flat, ridge};
-use tackscope::scene::part::Part;
-use tackscope::scene::{Points, Scene, Turn};
+use tackscope::physics::theory::{flat_limits, ridge};
+use tackscope::scene::{Part, Points, Scene, Turn};
 
 pub fn diagram(scene: &Scene, part: Part) -> Diagram {
     let found = Diagram::of(scene, part, &Cancel::default(), &mut |_, _, _| {}).unwrap();
@@ -26,9 +25,7 @@ pub fn diagram(scene: &Scene, part: Part) -> Diagram {
 }
 
 fn fig2(points: usize) -> Scene {
-    let mut scene = preset("fig2");
-    scene.cell.points = Points::Square(points);
-    scene
+    preset_on("fig2", Points::Square(points))
 }
 
 pub fn branch<'d>(diagram: &'d Diagram, name: &str) -> &'d Branch {
@@ -51,26 +48,23 @@ fn ends(branch: &Branch) -> [f64; 2] {
     ]
 }
 
+/// How far in u0 a jump is from the nearest fold or bifurcation.
+pub fn nearest_event(diagram: &Diagram, jump: &JumpRecord) -> f64 {
+    let far = |p: &Point| (p.state.mean_displacement - jump.mean_displacement).abs();
+    let all = diagram.events().map(|(_, point)| far(point));
+    all.fold(f64::INFINITY, f64::min)
+}
+
 /// Every jump of a loop that leaves a pattern lies at a fold or a bifurcation of the diagram: both
 /// are located within 1e-5 ranges.
 fn holds_jumps_of(diagram: &Diagram, run: &LoopRun, range: f64) {
-    let within = 2e-5 * range;
-    let patterned = run
-        .record
-        .jumps
-        .iter()
-        .filter(|j| j.cause != Cause::FlatLimit);
-    let mut count = 0;
-    for jump in patterned {
-        let far = |p: &Point| (p.state.mean_displacement - jump.mean_displacement).abs();
-        let nearest = diagram
-            .events()
-            .map(|(_, p)| far(p))
-            .fold(f64::INFINITY, f64::min);
-        assert!(nearest < within, "{jump:?}: {nearest:e}");
-        count += 1;
+    let jumps = run.record.jumps.iter();
+    let patterned: Vec<_> = jumps.filter(|j| j.cause != Cause::FlatLimit).collect();
+    for jump in &patterned {
+        let nearest = nearest_event(diagram, jump);
+        assert!(nearest < 2e-5 * range, "{jump:?}: {nearest:e}");
     }
-    assert!(count >= 2, "{count} jumps");
+    assert!(patterned.len() >= 2, "{} jumps", patterned.len());
 }
 
 #[test]
@@ -81,7 +75,7 @@ fn fig_2_has_one_square_branch_one_of_ridges_and_two_that_join_them() {
     assert_eq!(names, ["flat", "square", "ridge", "mixed_1", "mixed_2"]);
 
     let model = scene.model().unwrap();
-    let (low, high) = flat::limits(&model.law, model.grid.length).unwrap();
+    let (low, high) = flat_limits(&model.law, model.grid.length).unwrap();
     for name in ["square", "ridge"] {
         assert_eq!(branch(&found, name).ending, Ending::Flat);
         assert_eq!(ends(branch(&found, name)), [high, low], "{name}");
@@ -89,10 +83,7 @@ fn fig_2_has_one_square_branch_one_of_ridges_and_two_that_join_them() {
     // Out of the flat state, a fold makes it stable; it breaks its symmetry; the S between bulge
     // and dimple; and so on to the last fold.
     let square = events(branch(&found, "square"));
-    let kinds: Vec<_> = square
-        .iter()
-        .map(|(kind, index, _)| (*kind, *index))
-        .collect();
+    let kinds: Vec<_> = square.iter().map(|e| (e.0, e.1)).collect();
     let (fold, bifurcation) = (Kind::Fold, Kind::Bifurcation);
     let expected = [
         (bifurcation, [1, 1]),
@@ -157,14 +148,13 @@ fn folds_and_bifurcations_of_fig_2_are_the_same_on_a_finer_mesh() {
 
 #[test]
 fn a_long_cell_has_a_stable_bulge_that_no_path_reaches() {
-    let mut scene = preset("fig3");
-    scene.cell.points = Points::Square(192);
+    let scene = preset_on("fig3", Points::Square(192));
     let found = diagram(&scene, Part::Whole);
     let bulges = branch(&found, "square").points.iter();
     let stable = bulges.filter(|p| p.pattern == Pattern::Bulge && p.index == [0, 0]);
     assert!(stable.count() > 5);
     let model = scene.model().unwrap();
-    let mut atlas = Atlas::new(Meshes::new(&model.law, model.grid.length, 192));
+    let mut atlas = Atlas::of(&scene, &model);
     let drive = &scene.drive;
     let Turn::At(turn) = drive.turn else {
         panic!("a number")
@@ -260,14 +250,10 @@ fn along_every_branch_the_energy_is_the_integral_of_the_stress() {
 
 #[test]
 fn a_tip_goes_through_an_s_whose_folds_are_its_jumps() {
-    let mut scene = preset("hertz");
-    scene.cell.points = Points::Square(64);
+    let scene = preset_on("hertz", Points::Square(64));
     let found = diagram(&scene, Part::Quarter);
     let contact = branch(&found, "contact");
-    let kinds: Vec<_> = events(contact)
-        .iter()
-        .map(|(kind, index, _)| (*kind, *index))
-        .collect();
+    let kinds: Vec<_> = events(contact).iter().map(|e| (e.0, e.1)).collect();
     assert_eq!(kinds, [(Kind::Fold, [0, 1]), (Kind::Fold, [1, 0])]);
     let range = scene.model().unwrap().law.range;
     holds_jumps_of(&found, &walked(&scene, Part::Quarter), range);
@@ -338,9 +324,8 @@ fn the_modes_of_an_unstable_state_are_as_many_as_its_index_and_lower_the_energy(
 /// The upper fold of the ridge of a line cell against the exact flattening, and its unstable part
 /// just beyond against the exact unstable ridge (shares out of contact above alpha_c).
 fn away_from_the_exact_ridge(length: f64, points: usize) -> [f64; 2] {
-    let mut scene = preset("ridge-line");
+    let mut scene = preset_on("ridge-line", Points::Line(points));
     scene.cell.length = length;
-    scene.cell.points = Points::Line(points);
     let unit = (0.15 * length).sqrt();
     scene.drive.start = 0.9 * unit;
     scene.drive.turn = Turn::At(0.2);
@@ -438,8 +423,7 @@ fn a_stopped_diagram_keeps_what_it_has_and_says_so() {
 #[test]
 fn the_unstable_states_of_a_tip_tend_to_those_of_periodic_jkr() {
     let apart = |points: usize| {
-        let mut scene = preset("hertz");
-        scene.cell.points = Points::Square(points);
+        let scene = preset_on("hertz", Points::Square(points));
         let found = diagram(&scene, Part::Quarter);
         let law = scene.model().unwrap().law;
         let tip = Jkr {

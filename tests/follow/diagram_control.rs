@@ -3,18 +3,14 @@
 
 use crate::control::{driven, soft, sprung, tip};
 use crate::diagram::{branch, dense_indices, diagram, events, modes_are_as_many_as_the_index};
-use crate::loops::{flat_ground, walked};
+use crate::loops::{flat_ground, reach, start, walked};
 use std::f64::consts::PI;
 use tackscope::follow::diagram::{Branch, Diagram, Kind};
 use tackscope::follow::record::{Cause, JumpRecord};
-use tackscope::follow::walk::{Progress, Walk, WalkOptions};
-use tackscope::numerics::cancel::Cancel;
 use tackscope::physics::control::Control;
 use tackscope::physics::law::{Mie, Morse, Shape};
 use tackscope::physics::pattern::Pattern;
-use tackscope::scene::Points;
-use tackscope::scene::part::Part;
-use tackscope::solver::methods::MethodKind;
+use tackscope::scene::{Part, Points};
 
 const DRIVE: [f64; 3] = [4.2, 0.2, 0.1];
 
@@ -170,11 +166,7 @@ fn a_softer_machine_never_makes_a_state_stable() {
         let soft = fig2(control);
         let mut stable = 0;
         for branch in soft.branches.iter().filter(|b| b.name != "flat") {
-            let other = stiff
-                .branches
-                .iter()
-                .find(|b| b.name == branch.name)
-                .unwrap();
+            let other = self::branch(&stiff, &branch.name);
             let last = other.points.last().unwrap().arc;
             // Arc lengths are sums over steps, and no better than 1e-3.
             let edges: Vec<f64> = other
@@ -217,14 +209,9 @@ fn states_of_equal_energy_under_a_spring_have_it_in_the_walk() {
         .find(|e| e.branches == pair)
         .unwrap();
     let scene = sprung(stiffness, [6.0, -2.0, 0.1]);
-    let options = WalkOptions {
-        part: Part::Quarter,
-        ..MethodKind::NewtonKrylov.into()
-    };
-    let mut walk = Walk::start(&scene, options, &Cancel::default()).unwrap();
+    let mut walk = start(&scene, Part::Quarter);
     let mut at = |target: f64| {
-        walk.set_target(target);
-        while walk.step(&Cancel::default(), &mut |_| {}) == Progress::Working {}
+        reach(&mut walk, target);
         let here = walk.record();
         let stretch = target - here.mean_displacement;
         let energy = here.energy + 0.5 * stiffness * stretch * stretch;

@@ -2,7 +2,7 @@
 
 use std::f64::consts::{PI, SQRT_2};
 use tackscope::physics::law::{Cosine, Law, Morse, Shape};
-use tackscope::physics::theory::{Units, flat, ridge};
+use tackscope::physics::theory::{Units, flat_limits, ridge};
 
 /// Laws in a cell of side 1 with gamma = 1, where lengths are reduced ones.
 fn morse(range: f64) -> Law {
@@ -42,7 +42,7 @@ fn the_loss_is_the_area_between_the_ridge_and_the_flat_surface() {
     // Simpson's rule over the stress, tensile positive: -p~/u~ of the exact ridge less gamma' of
     // the flat surface.
     for law in [morse(0.02), morse(0.08), cosine(0.1), cosine(0.3)] {
-        let from = flat::limits(&law, 1.0).unwrap().1;
+        let from = flat_limits(&law, 1.0).unwrap().1;
         let to = ridge::critical().displacement;
         // u = to - (to - from) s^2 takes the square root off the upper end.
         let n = 2000;
@@ -75,7 +75,7 @@ fn the_leading_order_meets_the_whole_as_the_range_shrinks_and_the_printed_one_do
     ] {
         let differences = ranges.map(|range| {
             let law = make(range);
-            let approach = flat::limits(&law, 1.0).unwrap().1;
+            let approach = flat_limits(&law, 1.0).unwrap().1;
             let whole = ridge::loss(&law, 1.0).unwrap();
             let printed = ridge::leading_order(ridge::printed_zero_range(), approach);
             assert!(printed - whole > 0.27, "{range}: {printed} {whole}");
@@ -93,7 +93,7 @@ fn the_leading_order_meets_the_whole_as_the_range_shrinks_and_the_printed_one_do
 #[test]
 fn eq_30d_has_the_upper_limit_of_eq_8_for_small_ranges() {
     for range in [1e-2, 1e-3, 1e-4] {
-        let exact = flat::limits(&morse(range), 1.0).unwrap().1;
+        let exact = flat_limits(&morse(range), 1.0).unwrap().1;
         // Eq. 8 expanded: relative corrections of order rho~^2.
         assert!(
             (ridge::morse_approach(range) / exact - 1.0).abs() < 4.0 * range * range,
@@ -112,7 +112,7 @@ fn eq_30d_has_the_upper_limit_of_eq_8_for_small_ranges() {
 #[test]
 fn the_flat_term_is_negative_and_the_loss_does_not_depend_on_the_units() {
     let law = morse(0.0807);
-    let (_, approach) = flat::limits(&law, 1.0).unwrap();
+    let (_, approach) = flat_limits(&law, 1.0).unwrap();
     let end = ridge::critical();
     let ridge_alone = ridge::energy(end.alpha, end.displacement)
         - ridge::energy(ridge::alpha(approach).unwrap(), approach);

@@ -1,54 +1,31 @@
 //! What a loop must not depend on: the axis, the seed, the step, the part of the cell.
 
-use crate::loops::walked;
+use crate::loops::{preset_on, reach, start, walked};
 use ndarray::Array2;
 use tackscope::follow::record::{Cause, JumpRecord};
 use tackscope::follow::run::LoopRun;
 use tackscope::follow::walk::{Observed, Progress, Walk};
-use tackscope::numerics::cancel::Cancel;
+use tackscope::numerics::threads::Cancel;
 use tackscope::physics::indenter::{Indenter, Wave};
-use tackscope::scene::part::Part;
-use tackscope::scene::{Points, Range, Scene, Turn};
-use tackscope::solver::methods::MethodKind;
-use tackscope::storage::presets;
+use tackscope::scene::{Part, Points, Range, Scene, Turn};
 
 fn wavy() -> Scene {
-    let mut scene = presets::resolve("wavy").unwrap();
-    scene.cell.points = Points::Square(32);
+    let mut scene = preset_on("wavy", Points::Square(32));
     scene.law.range = Range::Length(0.3);
     scene
 }
 
 /// The same jumps at the same places, in ranges, with the same releases.
 fn assert_same(one: &LoopRun, other: &LoopRun, within: f64, range: f64, what: &str) {
-    let places = |run: &LoopRun| {
-        run.record
-            .jumps
-            .iter()
-            .map(|j| j.mean_displacement / range)
-            .collect::<Vec<_>>()
-    };
-    let (a, b) = (places(one), places(other));
+    let [a, b] = [one, other].map(|run| -> Vec<f64> {
+        let jumps = run.record.jumps.iter();
+        jumps.map(|j| j.mean_displacement / range).collect()
+    });
     assert_eq!(a.len(), b.len(), "{what}: {a:?} {b:?}");
-    let off = a
-        .iter()
-        .zip(&b)
-        .map(|(a, b)| (a - b).abs())
-        .fold(0.0, f64::max);
-    assert!(off < within, "{what}: {off} ranges, {a:?} {b:?}");
-    let loss = |run: &LoopRun| {
-        run.record
-            .jumps
-            .iter()
-            .map(|j: &JumpRecord| j.released_energy)
-            .sum::<f64>()
-    };
-    assert!(
-        (loss(one) - loss(other)).abs() < within * loss(one).abs(),
-        "{what}: {} {}",
-        loss(one),
-        loss(other)
-    );
+    let near = a.iter().zip(&b).all(|(a, b)| (a - b).abs() < within);
+    assert!(near, "{what}, in ranges: {a:?} {b:?}");
+    let [a, b] = [one, other].map(|run| run.record.released_energy_sum());
+    assert!((a - b).abs() < within * a.abs(), "{what}: {a} {b}");
 }
 
 #[test]
@@ -66,13 +43,8 @@ fn a_turn_of_the_ground_by_90_degrees_changes_nothing() {
     let along_x = run([3, 0], 1);
     assert!(!along_x.record.jumps.is_empty());
     for seed in 1..4 {
-        assert_same(
-            &along_x,
-            &run([0, 3], seed),
-            1e-3,
-            0.3,
-            &format!("seed {seed}"),
-        );
+        let turned = run([0, 3], seed);
+        assert_same(&along_x, &turned, 1e-3, 0.3, &format!("seed {seed}"));
     }
 }
 
@@ -81,40 +53,23 @@ fn jumps_on_waves_do_not_depend_on_seed_or_step() {
     let scene = wavy();
     let first = walked(&scene, Part::Whole);
     assert!(first.record.jumps.len() >= 8);
-    for seed in 2..4 {
-        assert_same(
-            &first,
-            &walked(
-                &Scene {
-                    seed,
-                    ..scene.clone()
-                },
-                Part::Whole,
-            ),
-            1e-3,
-            0.3,
-            &format!("seed {seed}"),
-        );
-    }
-    for step in [0.011, 0.05] {
+    for (seed, step) in [2, 3]
+        .map(|seed| (seed, scene.drive.step))
+        .into_iter()
+        .chain([0.011, 0.05].map(|step| (scene.seed, step)))
+    {
         let mut other = scene.clone();
-        other.drive.step = step;
-        assert_same(
-            &first,
-            &walked(&other, Part::Whole),
-            1e-3,
-            0.3,
-            &format!("step {step}"),
-        );
+        (other.seed, other.drive.step) = (seed, step);
+        let what = format!("seed {seed}, step {step}");
+        assert_same(&first, &walked(&other, Part::Whole), 1e-3, 0.3, &what);
     }
 }
 
 #[test]
 fn gentle_ground_jumps_where_flat_ground_does() {
-    let flat = presets::resolve("fig2").unwrap();
-    let gentle = |points, amplitude| {
-        let mut scene = flat.clone();
-        (scene.cell.points, scene.drive.step) = (Points::Square(points), 0.05);
+    let gentle = |amplitude| {
+        let mut scene = preset_on("fig2", Points::Square(48));
+        scene.drive.step = 0.05;
         (scene.drive.start, scene.drive.turn) = (3.3, Turn::At(2.75));
         scene.indenter = if amplitude == 0.0 {
             Indenter::Flat
@@ -126,7 +81,7 @@ fn gentle_ground_jumps_where_flat_ground_does() {
         };
         walked(&scene, Part::Whole)
     };
-    let (right, found) = (gentle(48, 0.0), gentle(48, 1e-4));
+    let (right, found) = (gentle(0.0), gentle(1e-4));
     assert_eq!(right.record.jumps.len(), 2, "to a bulge and to a ridge");
     // The crest pulls the ends of branches along by the square root of its height at most: a
     // hundredth of a range.
@@ -135,10 +90,9 @@ fn gentle_ground_jumps_where_flat_ground_does() {
 
 #[test]
 fn steps_longer_than_a_pattern_lives_find_every_pattern() {
-    let scene = presets::resolve("fig2").unwrap();
     let run = |step| {
-        let mut scene = scene.clone();
-        (scene.cell.points, scene.drive.step) = (Points::Square(48), step);
+        let mut scene = preset_on("fig2", Points::Square(48));
+        scene.drive.step = step;
         walked(&scene, Part::Whole)
     };
     let short = run(0.05);
@@ -183,19 +137,22 @@ fn next_jump(mut walk: Walk, target: f64) -> JumpRecord {
 
 /// A walk that has been to `places` in turn.
 fn standing_at(scene: &Scene, places: &[f64]) -> Walk {
-    let mut walk = Walk::start(scene, MethodKind::NewtonKrylov.into(), &Cancel::default()).unwrap();
+    let mut walk = start(scene, Part::Whole);
     for &place in places {
-        walk.set_target(place);
-        while walk.step(&Cancel::default(), &mut |_| {}) == Progress::Working {}
-        assert_eq!(walk.surface().control, place);
+        reach(&mut walk, place);
     }
     walk
 }
 
+/// A walk through another scene from where one stands.
+fn from(there: &Walk, scene: &Scene) -> Walk {
+    start(scene, Part::Whole).standing_on(there.here().clone(), there.record().clone())
+}
+
 #[test]
 fn steps_of_any_size_find_the_same_end_for_the_same_cause() {
-    let mut scene = presets::resolve("fig2").unwrap();
-    (scene.cell.points, scene.drive.step) = (Points::Square(40), 0.1);
+    let mut scene = preset_on("fig2", Points::Square(40));
+    scene.drive.step = 0.1;
     let (down, up) = (scene.depth(), scene.drive.start);
     // Bulge, ridge and dimple on the way down, dimple, ridge and bulge on the way up, each some 0.2
     // ranges before its end: two thousand of the smallest steps.
@@ -212,13 +169,7 @@ fn steps_of_any_size_find_the_same_end_for_the_same_cause() {
         let with_step = |step: f64| {
             let mut scene = scene.clone();
             scene.drive.step = step;
-            let (state, record) = (there.here().clone(), there.record().clone());
-            next_jump(
-                Walk::start(&scene, MethodKind::NewtonKrylov.into(), &Cancel::default())
-                    .map(|walk| walk.standing_on(state, record))
-                    .unwrap(),
-                target,
-            )
+            next_jump(from(&there, &scene), target)
         };
         let usual = with_step(0.05);
         assert_eq!(broken(usual.cause), breaks, "{usual:?}");
@@ -237,17 +188,12 @@ fn steps_of_any_size_find_the_same_end_for_the_same_cause() {
 
 #[test]
 fn a_thousand_extrapolations_leave_a_real_field_in_its_place() {
-    let mut scene = presets::resolve("fig2").unwrap();
-    (scene.cell.points, scene.drive.step) = (Points::Square(48), 0.1);
+    let mut scene = preset_on("fig2", Points::Square(48));
+    scene.drive.step = 0.1;
     let there = standing_at(&scene, &[3.09]);
     scene.drive.step = 1e-4;
-    let (state, record) = (there.here().clone(), there.record().clone());
-    let mut walk = Walk::start(&scene, MethodKind::NewtonKrylov.into(), &Cancel::default())
-        .map(|walk| walk.standing_on(state, record))
-        .unwrap();
-    walk.set_target(2.99);
-    while walk.step(&Cancel::default(), &mut |_| {}) == Progress::Working {}
-    assert_eq!(walk.surface().control, 2.99);
+    let mut walk = from(&there, &scene);
+    reach(&mut walk, 2.99);
     let amplitudes = &walk.here().state.amplitudes;
     // There and back through a field: what no field has is lost on the way.
     let (system, mut ws) = (walk.system(), walk.system().workspace());
@@ -298,9 +244,7 @@ fn a_surface_shifted_and_mirrored_with_its_ground_jumps_at_the_same_place() {
             });
             let mut state = there.here().clone();
             state.state.amplitudes = system.amplitudes(&moved, &mut ws);
-            let walk = Walk::start(&scene, MethodKind::NewtonKrylov.into(), &Cancel::default())
-                .map(|walk| walk.standing_on(state, there.record().clone()))
-                .unwrap();
+            let walk = start(&scene, Part::Whole).standing_on(state, there.record().clone());
             next_jump(walk, scene.drive.start)
         })
         .collect();

@@ -6,8 +6,7 @@ use tackscope::follow::record::Cause;
 use tackscope::follow::run::LoopRun;
 use tackscope::physics::law::{Mie, Morse, Shape};
 use tackscope::physics::pattern::Pattern;
-use tackscope::scene::part::Part;
-use tackscope::scene::{Points, Scene};
+use tackscope::scene::{Part, Points, Scene};
 
 fn scene(shape: Mie, periods: f64, n: usize, seed: u64) -> Scene {
     Scene {

@@ -1,15 +1,15 @@
 //! Loops over a layer on a rigid plate.
 
-use crate::loops::{preset, walked};
+use crate::diagram::{diagram, nearest_event};
+use crate::loops::{preset, preset_on, walked};
 use tackscope::follow::diagram::Diagram;
 use tackscope::follow::record::StateRecord;
 use tackscope::follow::run::LoopRun;
-use tackscope::numerics::cancel::Cancel;
+use tackscope::numerics::threads::Cancel;
 use tackscope::physics::body::{Body, Layer};
 use tackscope::physics::control::Control;
-use tackscope::physics::theory::flat;
-use tackscope::scene::part::{Part, Strategy};
-use tackscope::scene::{Model, Points, Scene, Turn};
+use tackscope::physics::theory::flat_limits;
+use tackscope::scene::{Part, Points, Scene, Strategy, Turn};
 use tackscope::study::plan::{plan, refusal};
 
 fn over(mut scene: Scene, thickness: f64, poisson: f64) -> Scene {
@@ -18,8 +18,7 @@ fn over(mut scene: Scene, thickness: f64, poisson: f64) -> Scene {
 }
 
 fn line() -> Scene {
-    let mut scene = preset("fig2");
-    scene.cell.points = Points::Line(64);
+    let mut scene = preset_on("fig2", Points::Line(64));
     scene.drive.step = 0.1;
     scene
 }
@@ -94,14 +93,8 @@ fn what_knows_half_spaces_alone_steps_aside_for_a_layer() {
     assert!(refused.contains("half-space"), "{refused}");
     scene.cell.points = Points::Square(32);
     scene.body = Body::HalfSpace;
-    assert_eq!(
-        refusal(&scene, &model_of(&scene), Some(Strategy::Atlas)),
-        None
-    );
-}
-
-fn model_of(scene: &Scene) -> Model {
-    scene.model().unwrap()
+    let model = scene.model().unwrap();
+    assert_eq!(refusal(&scene, &model, Some(Strategy::Atlas)), None);
 }
 
 /// The branch of ridges between two bifurcations of the flat state: its folds are where the walk
@@ -110,14 +103,9 @@ fn model_of(scene: &Scene) -> Model {
 fn the_diagram_of_a_layer_has_its_folds_where_the_walk_jumps() {
     let scene = over(line(), 80.0, 0.5);
     let run = walked(&scene, Part::Whole);
-    let diagram = Diagram::of(&scene, Part::Whole, &Cancel::default(), &mut |_, _, _| {});
-    let diagram = diagram.unwrap();
-    assert!(diagram.is_complete(), "{:?}", diagram.missing);
+    let diagram = diagram(&scene, Part::Whole);
     for jump in &run.record.jumps {
-        let nearest = diagram
-            .events()
-            .map(|(_, point)| (point.state.mean_displacement - jump.mean_displacement).abs())
-            .fold(f64::INFINITY, f64::min);
+        let nearest = nearest_event(&diagram, jump);
         assert!(nearest < 2e-5, "{jump:?}: {nearest}");
     }
 }
@@ -125,7 +113,7 @@ fn the_diagram_of_a_layer_has_its_folds_where_the_walk_jumps() {
 #[test]
 fn the_diagram_of_a_film_has_every_bifurcation_of_the_flat_state_and_says_what_it_leaves_out() {
     let scene = film(6.0, 270);
-    let model = model_of(&scene);
+    let model = scene.model().unwrap();
     let diagram = Diagram::of(&scene, Part::Whole, &Cancel::default(), &mut |_, _, _| {}).unwrap();
     assert_eq!(diagram.branches.len(), 1);
     assert!(
@@ -133,7 +121,7 @@ fn the_diagram_of_a_film_has_every_bifurcation_of_the_flat_state_and_says_what_i
         "{:?}",
         diagram.missing
     );
-    let (lower, upper) = flat::limits(&model.law, model.equivalent_length).unwrap();
+    let (lower, upper) = flat_limits(&model.law, model.equivalent_length).unwrap();
     let places: Vec<f64> = diagram
         .events()
         .map(|event| event.1.state.mean_displacement)

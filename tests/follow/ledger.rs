@@ -1,19 +1,18 @@
 //! The ledger of loops: the loss is the sum of releases and within its error; the integral is its
 //! check; a loop that does not close has none.
 
-use crate::loops::{planned, preset, walked};
+use crate::loops::{planned, preset, preset_on, start, walked};
 use nalgebra::{DMatrix, DVector};
 use std::f64::consts::PI;
 use tackscope::follow::record::{Cause, Direction, JumpRecord, LoopRecord};
 use tackscope::follow::run::{Outcome, run_loop};
-use tackscope::follow::walk::{Observed, Progress, Stuck, Walk, WalkOptions};
-use tackscope::numerics::cancel::Cancel;
+use tackscope::follow::walk::{Observed, Progress, Stuck, WalkOptions};
+use tackscope::numerics::threads::Cancel;
 use tackscope::physics::indenter::{Hertz, Indenter};
 use tackscope::physics::law::{Law, Mie, Morse, Shape};
 use tackscope::physics::pattern::Pattern;
-use tackscope::physics::theory::flat;
-use tackscope::scene::part::Part;
-use tackscope::scene::{Drive, Points, Scene, Turn};
+use tackscope::physics::theory::flat_limits;
+use tackscope::scene::{Drive, Part, Points, Scene, Turn};
 use tackscope::solver::Stop;
 use tackscope::solver::methods::MethodKind;
 
@@ -117,7 +116,7 @@ impl Ridge {
 /// of gamma.
 fn exact_jumps(law: Law, length: f64) -> [(f64, f64); 2] {
     let ridge = Ridge { law, length, n: 64 };
-    let (_, limit) = flat::limits(&law, length).unwrap();
+    let (_, limit) = flat_limits(&law, length).unwrap();
     let mut faint = vec![0.0; 33];
     (faint[0], faint[1]) = (limit, 0.02);
     let (faint, _) = ridge.solve(faint).expect("a faint ridge");
@@ -174,13 +173,10 @@ fn the_loss_does_not_depend_on_how_deep_or_in_which_steps_the_loop_goes() {
     let shallow = preset("fig2");
     let mut deep = preset("fig2");
     deep.drive.turn = Turn::At(-20.0);
-    let stepped = [0.5, 1.0, 5.0].map(|step| Scene {
-        drive: Drive {
-            control: Default::default(),
-            step,
-            ..shallow.drive
-        },
-        ..shallow.clone()
+    let stepped = [0.5, 1.0, 5.0].map(|step| {
+        let mut scene = shallow.clone();
+        scene.drive.step = step;
+        scene
     });
     for scene in [&shallow, &deep].into_iter().chain(&stepped) {
         let ledger = planned(scene).ledger(scene.law.surface_energy).unwrap();
@@ -237,7 +233,7 @@ fn patterns_that_come_and_go_continuously_do_so_at_the_limits_and_release_nothin
                 && tally.transitions > 0,
             "{tally}"
         );
-        let (lower, upper) = flat::limits(&law, length).unwrap();
+        let (lower, upper) = flat_limits(&law, length).unwrap();
         for jump in &run.record.jumps {
             assert!(jump.released_energy >= 0.0, "{jump:?}");
             if jump.cause == Cause::Transition {
@@ -282,8 +278,7 @@ fn faint_patterns_of_a_square_cell_that_change_their_names_are_no_events() {
 
 #[test]
 fn a_loop_that_ends_in_another_state_than_it_began_with_is_open_and_loses_nothing_that_is_known() {
-    let mut scene = preset("fig2");
-    scene.cell.points = Points::Square(32);
+    let mut scene = preset_on("fig2", Points::Square(32));
     scene.drive.step = 0.05;
     for (start, turn) in [(3.5, 1.8), (3.5, 0.2), (3.2, 2.0)] {
         (scene.drive.start, scene.drive.turn) = (start, Turn::At(turn));
@@ -318,8 +313,7 @@ fn a_drive_never_starts_from_a_state_that_is_unstable_or_not_found() {
         (tip.clone(), -60.0),
         (tip, -400.0),
     ] {
-        let mut scene = preset("fig2");
-        scene.cell.points = Points::Square(16);
+        let mut scene = preset_on("fig2", Points::Square(16));
         (scene.indenter, scene.drive) = (
             indenter.clone(),
             Drive {
@@ -369,17 +363,14 @@ fn jumps_of_the_mesh_are_told_apart_and_vanish_with_refinement() {
     let run = walked(&coarse, Part::Whole);
     let tally = run.record.tally();
     assert!(tally.of_the_mesh > 50 && tally.jumps < 10, "{tally}");
-    let mesh = run
-        .record
-        .jumps
-        .iter()
-        .filter(|jump| jump.cause == Cause::Mesh);
-    let largest = mesh
-        .inspect(|jump| assert_eq!(jump.from, jump.to))
-        .map(|jump| jump.released_energy)
-        .fold(0.0, f64::max);
-    // The jump into contact releases a tenth of gamma and more.
-    assert!(largest < 0.05, "{largest}");
+    let jumps = run.record.jumps.iter();
+    for jump in jumps.filter(|jump| jump.cause == Cause::Mesh) {
+        // The jump into contact releases a tenth of gamma and more.
+        assert!(
+            jump.from == jump.to && jump.released_energy < 0.05,
+            "{jump:?}"
+        );
+    }
     // The same law on a mesh that is safe for it: nothing of the kind.
     let mut fine = preset("fig2");
     fine.drive.step = 0.1;
@@ -393,12 +384,8 @@ fn a_loop_made_by_hand_is_closed_where_it_meets_its_own_way_and_loses_what_any_l
     scene.drive.step = 0.05;
     let gamma = scene.law.surface_energy;
     let whole = walked(&scene, Part::Quarter).record.ledger(gamma);
-    let options = WalkOptions {
-        part: Part::Quarter,
-        ..WalkOptions::default()
-    };
     let cancel = Cancel::default();
-    let mut walk = Walk::start(&scene, options, &cancel).unwrap();
+    let mut walk = start(&scene, Part::Quarter);
     let mut record = LoopRecord::of(scene.control());
     record.states.push(walk.record().clone());
     let mut closed_at = Vec::new();

@@ -1,45 +1,18 @@
 //! A push by hand: its energy, and where the surface comes to rest when it is let go.
 
-use std::f64::consts::TAU;
-use tackscope::follow::record::{Cause, JumpRecord, StateRecord};
-use tackscope::follow::walk::{Observed, Progress, Push, Walk};
-use tackscope::numerics::cancel::Cancel;
+use crate::loops::{preset_on, reach, start};
+use std::f64::consts::{PI, TAU};
+use tackscope::follow::record::{Cause, StateRecord};
+use tackscope::follow::walk::{Push, Walk};
 use tackscope::physics::pattern::Pattern;
-use tackscope::scene::{Points, Scene};
+use tackscope::scene::{Part, Points, Scene};
 use tackscope::solver::Stop;
-use tackscope::solver::methods::MethodKind;
-use tackscope::storage::presets;
 
-fn fig2(n: usize) -> Scene {
-    let mut scene = presets::resolve("fig2").unwrap();
-    scene.cell.points = Points::Square(n);
-    scene
-}
-
-fn walk(scene: &Scene) -> Walk {
-    Walk::start(scene, MethodKind::NewtonKrylov.into(), &Cancel::default()).unwrap()
-}
-
-/// Steps until it rests; the jumps on the way.
-fn rested(walk: &mut Walk) -> Vec<JumpRecord> {
-    let mut jumps = Vec::new();
-    loop {
-        let progress = walk.step(&Cancel::default(), &mut |observed| {
-            if let Observed::Jump(jump) = observed {
-                jumps.push(jump);
-            }
-        });
-        match progress {
-            Progress::Working => {}
-            Progress::Resting => return jumps,
-            other => panic!("{other:?}"),
-        }
-    }
-}
-
-fn driven(walk: &mut Walk, to: f64) -> Vec<JumpRecord> {
-    walk.set_target(to);
-    rested(walk)
+/// Fig. 2 on n x n points, and a walk at rest at its start.
+fn fig2(n: usize) -> (Scene, Walk) {
+    let scene = preset_on("fig2", Points::Square(n));
+    let walk = start(&scene, Part::Whole);
+    (scene, walk)
 }
 
 fn push(scene: &Scene, width: f64, depth: f64) -> Push {
@@ -79,9 +52,8 @@ fn energy(scene: &Scene, gap: &ndarray::Array2<f64>) -> f64 {
 
 #[test]
 fn the_energy_of_a_push_is_that_of_the_pressed_surface_less_that_of_the_state() {
-    let scene = fig2(32);
-    let mut walk = walk(&scene);
-    driven(&mut walk, 2.0);
+    let (scene, mut walk) = fig2(32);
+    reach(&mut walk, 2.0);
     let still = energy(&scene, &walk.gap_here());
     for (width, depth) in [(0.1, 0.5), (0.25, -0.8), (0.05, 1.5)] {
         let push = push(&scene, width, depth);
@@ -99,7 +71,7 @@ fn the_energy_of_a_push_is_that_of_the_pressed_surface_less_that_of_the_state() 
         let most = moved
             .iter()
             .fold(0.0f64, |a, b| if b.abs() > a.abs() { *b } else { a });
-        let mean = std::f64::consts::PI * width * width;
+        let mean = PI * width * width;
         assert!(
             (most - depth * (1.0 - mean)).abs() < 0.02 * depth.abs(),
             "{most}"
@@ -117,22 +89,21 @@ fn apart(a: &StateRecord, b: &StateRecord) -> [f64; 2] {
 
 #[test]
 fn a_small_push_goes_back_to_the_same_state() {
-    let scene = fig2(48);
+    let (scene, mut walk) = fig2(48);
     let gamma = scene.law.surface_energy;
-    let mut walk = walk(&scene);
     for (u0, pattern) in [
         (3.3, Pattern::Flat),
         (3.0, Pattern::Bulge),
         (2.0, Pattern::Ridge),
         (1.0, Pattern::Dimple),
     ] {
-        driven(&mut walk, u0);
+        reach(&mut walk, u0);
         let before = walk.record().clone();
         assert_eq!(before.pattern, pattern);
         for depth in [0.1, -0.1] {
             walk.let_go(&push(&scene, 0.1, depth));
             assert!(walk.is_jumping());
-            assert_eq!(rested(&mut walk), [], "{pattern}, {depth}");
+            assert_eq!(reach(&mut walk, u0), [], "{pattern}, {depth}");
             let after = walk.record();
             assert_eq!(
                 (after.pattern, after.control, after.stop),
@@ -147,29 +118,28 @@ fn a_small_push_goes_back_to_the_same_state() {
 
 #[test]
 fn a_large_push_close_before_a_jump_leads_where_the_jump_does() {
-    let scene = fig2(48);
+    let (scene, mut pushed) = fig2(48);
     let gamma = scene.law.surface_energy;
     // Just above the limit of the flat state, which gives way to a bulge below it.
-    let mut pushed = walk(&scene);
-    assert_eq!(driven(&mut pushed, 3.12), []);
+    assert_eq!(reach(&mut pushed, 3.12), []);
     let before = pushed.record().clone();
     pushed.let_go(&push(&scene, 0.2, 1.5));
-    let jumps = rested(&mut pushed);
+    let jumps = reach(&mut pushed, 3.12);
     let [jump] = &jumps[..] else {
         panic!("{jumps:?}")
     };
-    let mut jumped = walk(&scene);
-    let first = &driven(&mut jumped, 3.09)[0];
+    let (_, mut jumped) = fig2(48);
+    let first = &reach(&mut jumped, 3.09)[0];
     assert_eq!((jump.from, jump.to), (first.from, first.to));
     assert_eq!(jump.cause, Cause::Push);
     // Back on the branch on which the jump has landed.
-    assert_eq!(driven(&mut jumped, 3.12), []);
+    assert_eq!(reach(&mut jumped, 3.12), []);
     let [energy, stress] = apart(pushed.record(), jumped.record());
     assert!(energy < 1e-8 * gamma && stress < 1e-5, "{energy} {stress}");
     let released = (before.energy - pushed.record().energy) / gamma;
     assert!((jump.released_energy - released).abs() < 1e-12);
     // It goes on from there as from any other state.
-    let jumps = driven(&mut pushed, 2.0);
+    let jumps = reach(&mut pushed, 2.0);
     assert!(
         jumps.iter().any(|jump| jump.to == Pattern::Ridge),
         "{jumps:?}"
@@ -178,10 +148,10 @@ fn a_large_push_close_before_a_jump_leads_where_the_jump_does() {
 
 #[test]
 fn a_push_that_the_law_does_not_allow_is_made_less_deep() {
-    let mut walk = walk(&fig2(32));
-    driven(&mut walk, 1.0);
-    let pressed = walk.pressed(&push(&fig2(32), 0.1, 1e6));
-    let gamma = fig2(32).law.surface_energy;
+    let (scene, mut walk) = fig2(32);
+    reach(&mut walk, 1.0);
+    let pressed = walk.pressed(&push(&scene, 0.1, 1e6));
+    let gamma = scene.law.surface_energy;
     let energy = pressed.state.energy - walk.here().state.energy;
     assert!(energy > gamma && energy <= 10.0 * gamma, "{energy}");
 }

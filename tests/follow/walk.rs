@@ -1,37 +1,21 @@
 //! The walk on real scenes: which patterns, where they jump, and that the ledger closes.
 
-use crate::loops::{assert_same_jumps, preset, walked};
+use crate::loops::{assert_same_jumps, preset, preset_on, reach, sequence, start, walked};
 use std::sync::OnceLock;
-use tackscope::follow::record::{Cause, Direction, JumpRecord};
+use tackscope::follow::record::{Cause, Direction};
 use tackscope::follow::run::{LoopRun, Outcome, run_loop};
-use tackscope::numerics::cancel::Cancel;
+use tackscope::numerics::threads::Cancel;
 use tackscope::physics::pattern::Pattern::{self, Bulge, Dimple, Flat, Ridge};
-use tackscope::physics::theory::{flat, ridge};
-use tackscope::scene::part::Part;
-use tackscope::scene::{Points, Scene, Turn};
+use tackscope::physics::theory::{critical_length, flat_limits, ridge};
+use tackscope::scene::{Part, Points, Scene, Turn};
 use tackscope::solver::Stop;
 use tackscope::solver::methods::MethodKind;
 use tackscope::storage::scene_file;
 
 /// The loop of the preset fig2, computed once for all tests.
-fn fig2() -> &'static LoopRun {
+pub fn fig2() -> &'static LoopRun {
     static RUN: OnceLock<LoopRun> = OnceLock::new();
     RUN.get_or_init(|| walked(&preset("fig2"), Part::Whole))
-}
-
-fn sequence(run: &LoopRun, direction: Direction) -> Vec<Pattern> {
-    let jumps: Vec<_> = run
-        .record
-        .jumps
-        .iter()
-        .filter(|j| j.direction == direction)
-        .collect();
-    jumps
-        .first()
-        .map(|j| j.from)
-        .into_iter()
-        .chain(jumps.iter().map(|j| j.to))
-        .collect()
 }
 
 fn dissipated(run: &LoopRun, scene: &Scene) -> f64 {
@@ -49,14 +33,9 @@ fn assert_same_loop(a: &LoopRun, b: &LoopRun, scene: &Scene, what: &str) {
 
 #[test]
 fn fig_2_shows_flat_bulge_ridge_dimple_flat_and_the_same_backwards() {
-    assert_eq!(
-        sequence(fig2(), Direction::Approach),
-        [Flat, Bulge, Ridge, Dimple, Flat]
-    );
-    assert_eq!(
-        sequence(fig2(), Direction::Retraction),
-        [Flat, Dimple, Ridge, Bulge, Flat]
-    );
+    let [down, up] = Direction::BOTH.map(|way| sequence(fig2(), way));
+    assert_eq!(down, [Flat, Bulge, Ridge, Dimple, Flat]);
+    assert_eq!(up, [Flat, Dimple, Ridge, Bulge, Flat]);
 }
 
 #[test]
@@ -65,23 +44,15 @@ fn flat_state_loses_stability_at_eq_8() {
     let eq_8 = |sign: f64| {
         -((1.0 + sign * (1.0 - 4.0 * std::f64::consts::PI / gamma_per_length).sqrt()) / 4.0).ln()
     };
-    let limits: Vec<&JumpRecord> = fig2()
-        .record
-        .jumps
-        .iter()
+    let jumps = fig2().record.jumps.iter();
+    let limits: Vec<f64> = jumps
         .filter(|j| j.cause == Cause::FlatLimit)
+        .map(|j| j.mean_displacement)
         .collect();
     assert_eq!(limits.len(), 2);
-    assert!(
-        (limits[0].mean_displacement - eq_8(-1.0)).abs() < 1e-6,
-        "{}",
-        limits[0].mean_displacement
-    );
-    assert!(
-        (limits[1].mean_displacement - eq_8(1.0)).abs() < 1e-6,
-        "{}",
-        limits[1].mean_displacement
-    );
+    for (limit, sign) in limits.iter().zip([-1.0, 1.0]) {
+        assert!((limit - eq_8(sign)).abs() < 1e-6, "{limits:?}");
+    }
 }
 
 #[test]
@@ -147,40 +118,21 @@ fn fig_2_costs_at_most_60_transforms_per_patterned_increment_and_as_many_again_t
 #[test]
 fn fig_2_does_not_depend_on_mesh_or_step() {
     let scene = preset("fig2");
-    let fine = Scene {
-        cell: tackscope::scene::Cell {
-            points: Points::Square(128),
-            ..scene.cell
-        },
-        ..scene.clone()
-    };
-    assert_same_loop(
-        fig2(),
-        &walked(&fine, Part::Whole),
-        &scene,
-        "n = 64 and 128",
-    );
+    let fine = walked(&preset_on("fig2", Points::Square(128)), Part::Whole);
+    assert_same_loop(fig2(), &fine, &scene, "n = 64 and 128");
     let mut short = scene.clone();
     short.drive.step = 0.01;
-    assert_same_loop(
-        fig2(),
-        &walked(&short, Part::Whole),
-        &scene,
-        "step 0.02 and 0.01",
-    );
+    let short = walked(&short, Part::Whole);
+    assert_same_loop(fig2(), &short, &scene, "step 0.02 and 0.01");
 }
 
 #[test]
 fn fig_2_is_the_same_loop_for_at_least_10_seeds_of_12() {
     let scene = preset("fig2");
     let same = (1..=12).filter(|seed| {
-        let run = walked(
-            &Scene {
-                seed: *seed,
-                ..scene.clone()
-            },
-            Part::Whole,
-        );
+        let mut other = scene.clone();
+        other.seed = *seed;
+        let run = walked(&other, Part::Whole);
         run.record.jumps.len() == fig2().record.jumps.len()
             && (dissipated(&run, &scene) / dissipated(fig2(), &scene) - 1.0).abs() < 5e-3
             && run
@@ -198,8 +150,7 @@ fn fig_2_is_the_same_loop_for_at_least_10_seeds_of_12() {
 
 #[test]
 fn the_same_seed_gives_the_same_loop_to_the_last_bit() {
-    let mut scene = preset("fig2");
-    scene.cell.points = Points::Square(32);
+    let mut scene = preset_on("fig2", Points::Square(32));
     scene.drive.step = 0.05;
     let states = |run: LoopRun| {
         run.record
@@ -220,14 +171,9 @@ fn fig_3_has_no_bulge_and_loses_three_to_four_times_as_much() {
     // Jumps are located whatever the step; between them half a range shows enough.
     scene.drive.step = 0.5;
     let run = walked(&scene, Part::Whole);
-    assert_eq!(
-        sequence(&run, Direction::Approach),
-        [Flat, Ridge, Dimple, Flat]
-    );
-    assert_eq!(
-        sequence(&run, Direction::Retraction),
-        [Flat, Dimple, Ridge, Flat]
-    );
+    let [down, up] = Direction::BOTH.map(|way| sequence(&run, way));
+    assert_eq!(down, [Flat, Ridge, Dimple, Flat]);
+    assert_eq!(up, [Flat, Dimple, Ridge, Flat]);
     let ratio = dissipated(&run, &scene) / dissipated(fig2(), &preset("fig2"));
     assert!((3.0..=4.0).contains(&ratio), "{ratio}");
 }
@@ -236,7 +182,7 @@ fn fig_3_has_no_bulge_and_loses_three_to_four_times_as_much() {
 fn a_cell_below_the_critical_length_has_no_hysteresis() {
     let scene = preset("no-hysteresis");
     let model = scene.model().unwrap();
-    assert!(scene.cell.length < flat::critical_length(&model.law));
+    assert!(scene.cell.length < critical_length(&model.law));
     let run = walked(&scene, Part::Whole);
     assert!(run.record.jumps.is_empty());
     assert!(dissipated(&run, &scene).abs() < 1e-6);
@@ -244,9 +190,8 @@ fn a_cell_below_the_critical_length_has_no_hysteresis() {
 
 /// Largest deviation of p~ from the exact zero-range ridge over u~ in [0.3, 0.5], both directions.
 fn deviation_from_the_exact_ridge(length: f64, points: usize) -> f64 {
-    let mut scene = preset("ridge-line");
+    let mut scene = preset_on("ridge-line", Points::Line(points));
     scene.cell.length = length;
-    scene.cell.points = Points::Line(points);
     scene.drive.start = 0.75 * (0.15 * length).sqrt();
     scene.drive.turn = Turn::At(0.2);
     scene.drive.step = scene.drive.start / 200.0;
@@ -317,8 +262,7 @@ fn a_walk_along_the_flat_state_obeys_a_stop_too() {
 
 #[test]
 fn the_papers_method_stands_behind_the_same_interface_and_says_that_it_has_not_converged() {
-    let mut scene = preset("fig2");
-    scene.cell.points = Points::Square(32);
+    let mut scene = preset_on("fig2", Points::Square(32));
     scene.drive.step = 0.05;
     let run = run_loop(
         &scene,
@@ -346,17 +290,10 @@ fn the_papers_method_stands_behind_the_same_interface_and_says_that_it_has_not_c
 
 #[test]
 fn a_trace_of_the_softest_modulation_on_a_ridge_is_not_taken_for_a_sliding_mode() {
-    use tackscope::follow::walk::{Progress, Walk};
-    use tackscope::numerics::vector::{add, dot, norm};
+    use tackscope::numerics::dense::{add, dot, norm};
     use tackscope::solver::mechanics::{Mechanics, Slides};
-    let mut walk = Walk::start(
-        &preset("fig2"),
-        MethodKind::NewtonKrylov.into(),
-        &Cancel::default(),
-    )
-    .unwrap();
-    walk.set_target(1.34);
-    while walk.step(&Cancel::default(), &mut |_| {}) == Progress::Working {}
+    let mut walk = start(&preset("fig2"), Part::Whole);
+    reach(&mut walk, 1.34);
     assert_eq!(walk.record().pattern, Ridge);
     let (system, soft) = (walk.system(), walk.here().soft_mode.clone());
     let mut z = walk.here().state.amplitudes.clone();
@@ -400,7 +337,7 @@ fn every_law_runs_the_four_patterns_on_flat_ground() {
         scene.law.shape = shape;
         scene.law.range = Range::MuRho(0.387);
         let model = scene.model().unwrap();
-        let (lower, upper) = flat::limits(&model.law, model.grid.length).unwrap();
+        let (lower, upper) = flat_limits(&model.law, model.grid.length).unwrap();
         let (rest, width) = (model.law.equilibrium_gap(), upper - lower);
         scene.drive = Drive {
             control: Default::default(),
@@ -427,27 +364,12 @@ fn a_hertzian_tip_jumps_into_contact_once_and_out_once() {
                 [indenter]\nkind = \"hertz\"\nradius = 1.0\n[drive]\nstart = 0.05\nturn = \"zero_load\"\nstep = 0.0001\n";
     let scene = scene_file::parse(text, "hertz").unwrap();
     let run = walked(&scene, Part::Whole);
-    let jumps: Vec<_> = run
-        .record
-        .jumps
-        .iter()
-        .map(|j| (j.direction, j.from, j.to))
-        .collect();
-    assert_eq!(
-        jumps,
-        [
-            (Direction::Approach, Pattern::Other, Pattern::Contact),
-            (Direction::Retraction, Pattern::Contact, Pattern::Other)
-        ]
-    );
+    let [down, up] = Direction::BOTH.map(|way| sequence(&run, way));
+    assert_eq!(down, [Pattern::Other, Pattern::Contact]);
+    assert_eq!(up, [Pattern::Contact, Pattern::Other]);
     // The pull-off force of JKR, (3/2) pi gamma R, within the few per cent that a range this long
     // costs.
-    let pull = run
-        .record
-        .states
-        .iter()
-        .map(|s| s.stress)
-        .fold(0.0, f64::max);
+    let pull = run.pull_off().unwrap();
     let jkr = 1.5 * std::f64::consts::PI * 0.5859e-3;
     assert!((pull / jkr - 1.0).abs() < 0.1, "{}", pull / jkr);
     let (work, released) = (dissipated(&run, &scene), run.record.released_energy_sum());
@@ -456,8 +378,8 @@ fn a_hertzian_tip_jumps_into_contact_once_and_out_once() {
 
 #[test]
 fn after_landing_flat_the_walk_goes_on_in_the_steps_of_the_scene() {
-    let mut scene = preset("fig2");
-    (scene.cell.points, scene.drive.step) = (Points::Square(24), 0.1);
+    let mut scene = preset_on("fig2", Points::Square(24));
+    scene.drive.step = 0.1;
     let run = walked(&scene, Part::Whole);
     let landed = run
         .record

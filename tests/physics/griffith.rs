@@ -2,7 +2,7 @@
 //! boundary elements against them and the exact ridge.
 
 use crate::{close, near};
-use tackscope::numerics::cancel::Cancel;
+use tackscope::numerics::threads::Cancel;
 use tackscope::paper::boundary_elements as be;
 use tackscope::physics::theory::circular::{self, Kind, Pattern};
 use tackscope::physics::theory::ridge;

@@ -6,15 +6,14 @@ use crate::{close, near};
 use std::sync::OnceLock;
 use tackscope::follow::run::{LoopRun, Outcome, run_loop};
 use tackscope::follow::walk::WalkOptions;
-use tackscope::numerics::cancel::Cancel;
+use tackscope::numerics::threads::Cancel;
 use tackscope::paper::scenes;
 use tackscope::physics::pattern::Pattern;
 use tackscope::physics::theory::jkr::{Jkr, PeriodicJkr};
 use tackscope::physics::theory::{tabor, tabor_of_mesh};
-use tackscope::scene::part::{Part, Strategy};
-use tackscope::scene::{Scene, Turn};
+use tackscope::scene::{Part, Scene, Strategy, Turn};
 use tackscope::solver::Stop;
-use tackscope::storage::presets;
+use tackscope::storage;
 use tackscope::study::plan::plan;
 
 const TIP: Jkr = Jkr {
@@ -514,7 +513,7 @@ fn deep_compression_stays_finite_and_follows_periodic_jkr() {
 
 #[test]
 fn a_tip_is_planned_on_its_quarter_and_the_preset_runs() {
-    let scene = presets::resolve("hertz").unwrap();
+    let scene = storage::resolve("hertz").unwrap();
     let planned = plan(&scene, &scene.model().unwrap(), None);
     assert_eq!(planned.strategy, Strategy::QUARTER);
     let run = walked(&scene, Part::Quarter);

@@ -6,11 +6,11 @@ use std::f64::consts::{PI, TAU};
 use tackscope::follow::flat_branch::FlatBranch;
 use tackscope::physics::body::{Body, Elastic, Layer};
 use tackscope::physics::control::Control;
-use tackscope::physics::grid::Grid;
 use tackscope::physics::indenter::Indenter;
 use tackscope::physics::law::{Law, Morse, Shape};
+use tackscope::physics::mesh::Grid;
 use tackscope::physics::system::System;
-use tackscope::physics::theory::flat;
+use tackscope::physics::theory::flat_limits;
 
 /// q t, nu, f: the formula evaluated with 60 digits.
 const EXACT: [[f64; 3]; 20] = [
@@ -158,7 +158,7 @@ fn an_incompressible_film_gives_way_to_a_wave_of_three_thicknesses_whatever_the_
         // A law that softens a little less, and a little more.
         let critical = |share: f64| morse(4.0 * share * stiffness / thickness);
         for (share, unstable) in [(1.0 - 1e-3, false), (1.0 + 1e-3, true)] {
-            let limits = flat::limits(&critical(share), system.equivalent_length());
+            let limits = flat_limits(&critical(share), system.equivalent_length());
             assert_eq!(limits.is_some(), unstable, "{share}");
         }
     }
@@ -200,7 +200,7 @@ fn the_softest_wave_is_the_softest_of_the_mesh_also_where_two_directions_mix() {
 fn the_flat_state_of_a_layer_ends_where_its_hessian_says() {
     let (grid, body) = (Grid::square(20.0, 16), Body::Layer(layer(2.0, 0.5)));
     let (law, length) = (morse(6.0), body.equivalent_length(&grid));
-    let (lower, upper) = flat::limits(&law, length).unwrap();
+    let (lower, upper) = flat_limits(&law, length).unwrap();
     let system = System::new(grid, law, &Indenter::Flat).with_body(body);
     let mut workspace = system.workspace();
     for gap in [lower, upper] {

@@ -7,7 +7,6 @@ mod layer;
 #[path = "../shared/loops.rs"]
 mod loops;
 mod mechanics;
-mod mesh_rule;
 mod numerics;
 mod patterns;
 mod theory;

@@ -7,13 +7,14 @@ use proptest::prelude::*;
 use rayon::ThreadPoolBuilder;
 use rustfft::num_complex::Complex;
 use std::f64::consts::TAU;
-use tackscope::numerics::cancel::Cancel;
-use tackscope::numerics::eigen::{EigenLimits, smallest, symmetric_eigen};
+use tackscope::numerics::dense::{
+    add, add_all, dot, hermite, max_abs, norm, products, symmetric_eigen,
+};
+use tackscope::numerics::eigen::{EigenLimits, smallest};
 use tackscope::numerics::fourier::Fourier;
 use tackscope::numerics::fourier::Real;
 use tackscope::numerics::krylov::{CgEnd, CgLimits, CgSolution, conjugate_gradients};
-use tackscope::numerics::threads::{POINTS_MIN, each, lanes, piece};
-use tackscope::numerics::vector::{add, add_all, dot, hermite, max_abs, norm, products};
+use tackscope::numerics::threads::{Cancel, POINTS_MIN, each, lanes, piece};
 
 fn naive(field: &Array2<f64>) -> Array2<Complex<f64>> {
     let (ny, nx) = field.dim();

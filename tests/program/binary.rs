@@ -5,7 +5,7 @@ use std::fs;
 use std::io::{BufRead, BufReader, Read};
 use std::path::Path;
 use std::process::{Child, ChildStderr, Command, Output, Stdio};
-use tackscope::storage::presets;
+use tackscope::storage;
 use tempfile::TempDir;
 
 /// Holds a sentence to name each of these parts.
@@ -116,7 +116,7 @@ pub fn with(preset: &str, replacements: &[(&str, &str)]) -> (String, TempDir) {
 /// The text of a preset in which the beginnings of lines are replaced.
 #[track_caller]
 pub fn text_with(preset: &str, replacements: &[(&str, &str)]) -> String {
-    let text = presets::find(preset).expect("built in").text.to_owned();
+    let text = storage::preset(preset).expect("built in").text.to_owned();
     replacements
         .iter()
         .fold(text, |text, (start, replacement)| {

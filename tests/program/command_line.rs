@@ -5,7 +5,7 @@ use crate::binary::{
     summary, tackscope, with, without_display,
 };
 use std::fs;
-use tackscope::storage::presets;
+use tackscope::storage;
 
 /// Runs, expects exit code 2 and one sentence with all these parts, and no results.
 #[track_caller]
@@ -126,7 +126,7 @@ fn a_run_writes_every_file_and_one_closing_line() {
     let scene = summary["scene"]["toml"].as_str().expect("the scene");
     assert_eq!(
         tackscope::storage::scene_file::parse(scene, "summary"),
-        presets::find("no-hysteresis").expect("built in").scene()
+        storage::preset("no-hysteresis").expect("built in").scene()
     );
     assert!(content(out.join("loop.svg")).contains("no jumps"));
     assert!(is_png(&out.join("loop.png")));

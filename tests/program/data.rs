@@ -10,12 +10,12 @@ use std::fs::{self, File};
 use std::io::{BufReader, Read, Write};
 use std::path::Path;
 use std::process::{Command, Output, Stdio};
-use tackscope::physics::grid::Grid;
+use tackscope::physics::mesh::Grid;
 use tackscope::physics::system::System;
 use tackscope::plot::style::Colours;
 use tackscope::scene::Model;
 use tackscope::storage::picture::{FilmKind, Shot, write_film};
-use tackscope::storage::{Failure, VERSION, presets, scene_file};
+use tackscope::storage::{self, Failure, VERSION, scene_file};
 use zip::ZipArchive;
 
 /// The binary with a text on its standard input.
@@ -61,7 +61,7 @@ fn a_scene_from_standard_input_has_the_loop_of_its_preset() {
     assert!(run("fig2", &by_name, &COARSE).status.success());
     let out = by_pipe.display().to_string();
     let arguments = [&["run", "-", "--out", &out], &COARSE[..]].concat();
-    done(&piped(&arguments, presets::find("fig2").unwrap().text));
+    done(&piped(&arguments, storage::preset("fig2").unwrap().text));
     for name in ["loop.csv", "events.csv"] {
         assert_eq!(table(&by_pipe, name), table(&by_name, name));
     }

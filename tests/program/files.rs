@@ -10,7 +10,7 @@ use std::os::unix::fs::{FileTypeExt, PermissionsExt, symlink};
 use std::path::Path;
 use std::process::{Command, Output, Stdio};
 use tackscope::scene::{Range, Turn};
-use tackscope::storage::{files, presets, scene_file};
+use tackscope::storage::{self, files, scene_file};
 
 const RESULTS: [&str; 5] = [
     "loop.csv",
@@ -434,7 +434,7 @@ fn a_budget_that_is_none_is_refused_before_anything_is_made() {
 
 #[test]
 fn progress_in_any_unit_of_length_tells_states_apart() {
-    let preset = presets::resolve("no-hysteresis").expect("built in");
+    let preset = storage::resolve("no-hysteresis").expect("built in");
     let home = folder();
     for unit in [1e-9, 1.0, 1e12] {
         let mut scene = preset.clone();

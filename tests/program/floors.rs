@@ -544,7 +544,7 @@ const BAD: [(&str, &str, &str); 26] = [
     ),
     (
         "physics/law/mod.rs",
-        "use crate::{physics::grid, ui::App};",
+        "use crate::{physics::body, ui::App};",
         "physics names crate::ui::App",
     ),
     (
@@ -676,7 +676,7 @@ fn a_good_file_is_left_alone() {
     for (path, text) in [
         (
             "physics/law/mod.rs",
-            "use super::grid; use crate::numerics::cancel::Cancel; use super::super::numerics;",
+            "use super::grid; use crate::numerics::threads::Cancel; use super::super::numerics;",
         ),
         (
             "physics/mod.rs",

@@ -8,11 +8,11 @@ use std::path::Path;
 use tackscope::lessons::{
     Act, Condition, Facts, Lesson, Progress, Question, Stage, all, find, parse,
 };
-use tackscope::numerics::cancel::Cancel;
-use tackscope::physics::theory::flat;
+use tackscope::numerics::threads::Cancel;
+use tackscope::physics::theory::{flat_limits, flat_stiffness};
 use tackscope::scene::Scene;
-use tackscope::storage::presets;
-use tackscope::worker::rehearsal::rehearse;
+use tackscope::storage;
+use tackscope::worker::rehearse;
 
 const PAGE: &str = "assets/guide/explorer.md";
 /// Whose users expect it.
@@ -142,7 +142,7 @@ fn every_row_of_the_explorer_is_shown_by_a_test_or_picture_that_is_there_or_says
 }
 
 fn scene(name: &str) -> Result<Scene, String> {
-    let preset = presets::find(name).ok_or_else(|| name.to_owned())?;
+    let preset = storage::preset(name).ok_or_else(|| name.to_owned())?;
     preset.scene().map_err(|failure| failure.to_string())
 }
 
@@ -164,14 +164,14 @@ fn every_lesson_can_be_done_and_fills_in_every_number() {
 fn what_a_lesson_says_is_what_the_theory_says() {
     let told = performed(find("first-snap").unwrap()).unwrap();
     let model = scene("fig2").unwrap().model().unwrap();
-    let (lower, upper) = flat::limits(&model.law, model.grid.length).unwrap();
+    let (lower, upper) = flat_limits(&model.law, model.grid.length).unwrap();
     let limit = format!("{:.3}", upper / model.law.range);
     assert!(
         told[1].contains(&format!("It snapped at {limit} ranges")),
         "{told:?}"
     );
     let told = performed(find("held-by-nothing").unwrap()).unwrap();
-    let stiffness = flat::stiffness_min(&model.law, model.grid.length, 2.5);
+    let stiffness = flat_stiffness(&model.law, model.grid.length, 2.5);
     assert!(stiffness < 0.0 && lower < 2.5);
     assert!(
         told[1].contains(&format!("{stiffness:.2} E*/L. It is negative")),

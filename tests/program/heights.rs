@@ -7,12 +7,12 @@ use ndarray::Array2;
 use std::fs;
 use std::path::Path;
 use tackscope::follow::run::{LoopRun, Outcome};
-use tackscope::numerics::cancel::Cancel;
+use tackscope::numerics::threads::Cancel;
 use tackscope::paper::{GALLERY, Size, Task};
 use tackscope::scene::{Points, Scene};
 use tackscope::solver::methods::MethodKind;
 use tackscope::storage::heights::read;
-use tackscope::storage::{Opened, export, open, presets, scene_file};
+use tackscope::storage::{self, Opened, export, open, scene_file};
 use tackscope::study::ground::GroundReport;
 use tackscope::study::plan::{plan, run_planned};
 
@@ -100,7 +100,7 @@ fn a_map_of_each_format_comes_to_the_same_heights_and_the_same_loop() {
 
 /// A coarse built-in scene, and the same on ground that was written to a file and read back.
 fn written_back(name: &str, home: &Path) -> [Scene; 2] {
-    let mut scene = presets::resolve(name).unwrap();
+    let mut scene = storage::resolve(name).unwrap();
     scene.cell.points = scene.cell.points.resized(32);
     (scene.drive.step, scene.law.range) = (0.1, tackscope::scene::Range::MuRho(0.45));
     let model = scene.model().unwrap();

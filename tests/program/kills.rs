@@ -213,13 +213,16 @@ fn whenever_a_run_is_killed_its_folder_is_one_runs_and_says_whether_it_was_finis
             kept,
         )
     };
+    let all_finish = || {
+        for k in 0..FOLDERS {
+            let (running, _kept) = go(k);
+            assert_eq!(running.end().0, Some(0));
+            assert_eq!(look(&place(k), false), (Standing::Finished, Some(k)));
+        }
+    };
     // How long it takes where nobody disturbs it.
     let began = Instant::now();
-    for k in 0..FOLDERS {
-        let (running, _kept) = go(k);
-        assert_eq!(running.end().0, Some(0));
-        assert_eq!(look(&place(k), false), (Standing::Finished, Some(k)));
-    }
+    all_finish();
     let whole = began.elapsed() / FOLDERS as u32;
     let mut chance = rand_pcg::Pcg64::seed_from_u64(count as u64);
     let mut table: BTreeMap<(usize, &str), usize> = BTreeMap::new();
@@ -253,11 +256,7 @@ fn whenever_a_run_is_killed_its_folder_is_one_runs_and_says_whether_it_was_finis
     }
     println!("all   {count:5}  a run takes {whole:.0?}");
     // Whatever was left is swept by the next run.
-    for k in 0..FOLDERS {
-        let (running, _kept) = go(k);
-        assert_eq!(running.end().0, Some(0));
-        assert_eq!(look(&place(k), false), (Standing::Finished, Some(k)));
-    }
+    all_finish();
 }
 
 /// A walk that takes much longer than a test.

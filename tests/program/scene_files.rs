@@ -8,14 +8,13 @@ use tackscope::physics::control::Control;
 use tackscope::physics::indenter::{Hertz, Indenter, Rough, Wave};
 use tackscope::physics::law::{Cosine, DoubleExponential, Mie, Morse, Shape};
 use tackscope::physics::parameter::{Parameter, Value};
-use tackscope::scene::{Cell, Drive, LawChoice, Points, Range, Scene, Turn};
-use tackscope::scene::{edit, parameter};
-use tackscope::storage::{Failure, presets, scene_file};
+use tackscope::scene::{Cell, Drive, LawChoice, Points, Range, Scene, Turn, edit, parameter};
+use tackscope::storage::{self, Failure, scene_file};
 
 const NAME: &str = "my scene.toml";
 
 fn fig2() -> &'static str {
-    presets::find("fig2").expect("fig2 is built in").text
+    storage::preset("fig2").expect("fig2 is built in").text
 }
 
 /// Why a text is refused.
@@ -47,7 +46,10 @@ fn refused(cases: &[(&str, &str, &[&str])]) {
 
 #[test]
 fn every_preset_is_an_allowed_scene_and_says_what_to_look_for() {
-    let names: Vec<_> = presets::all().iter().map(|preset| preset.name).collect();
+    let names: Vec<_> = storage::presets()
+        .iter()
+        .map(|preset| preset.name)
+        .collect();
     assert_eq!(
         names,
         [
@@ -64,7 +66,7 @@ fn every_preset_is_an_allowed_scene_and_says_what_to_look_for() {
             "rubber"
         ]
     );
-    for preset in presets::all() {
+    for preset in storage::presets() {
         let scene = preset.scene().unwrap_or_else(|failure| panic!("{failure}"));
         assert!(!scene.title.is_empty() && !scene.source.is_empty());
         assert!(
@@ -77,7 +79,7 @@ fn every_preset_is_an_allowed_scene_and_says_what_to_look_for() {
             "{}",
             preset.look_for()
         );
-        assert_eq!(presets::titled(&scene.title), Some(preset));
+        assert_eq!(storage::preset_titled(&scene.title), Some(preset));
         assert_eq!(
             preset
                 .text
@@ -102,7 +104,7 @@ fn every_preset_is_an_allowed_scene_and_says_what_to_look_for() {
 
 #[test]
 fn the_coarse_mesh_preset_has_the_range_of_the_mesh_rule() {
-    let model = presets::resolve("coarse-mesh")
+    let model = storage::resolve("coarse-mesh")
         .unwrap()
         .model()
         .expect("allowed");
@@ -445,7 +447,7 @@ fn files_that_are_missing_too_long_or_not_text_are_refused() {
 fn a_scene_is_saved_whole_and_comes_back_and_an_impossible_one_is_not_saved() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let path = folder.path().join("new folder").join("scene.toml");
-    let mut scene = presets::resolve("ridge-line").unwrap();
+    let mut scene = storage::resolve("ridge-line").unwrap();
     scene_file::save(&path, &scene).expect("saved");
     assert_eq!(scene_file::load(&path), Ok(scene.clone()));
     let before = std::fs::read(&path).expect("there");
@@ -601,7 +603,7 @@ fn mutated() -> impl Strategy<Value = String> {
         words,
     );
     (
-        prop::sample::select(presets::all()),
+        prop::sample::select(storage::presets()),
         prop::collection::vec(edit, 1..6),
     )
         .prop_map(|(preset, edits)| {
@@ -812,7 +814,7 @@ fn every_number_of_a_scene_is_in_the_list_and_the_list_has_no_other() {
 
 #[test]
 fn every_body_law_and_ground_of_the_pickers_opens_from_its_file() {
-    let scene = presets::resolve("fig2").unwrap();
+    let scene = storage::resolve("fig2").unwrap();
     let model = scene.model().expect("allowed");
     for body in Body::all() {
         let body = body.elastic().suited(&model.grid);

@@ -9,10 +9,10 @@ use std::fs;
 use std::path::Path;
 use tackscope::physics::control::Control;
 use tackscope::physics::parameter::Dimension;
-use tackscope::physics::theory::flat;
-use tackscope::scene::units::{LENGTHS, MODULI, SURFACE_ENERGIES, Units, say};
+use tackscope::physics::theory::{critical_length, flat_limits};
+use tackscope::scene::parameter::{LENGTH_UNITS, MODULUS_UNITS, SURFACE_ENERGY_UNITS, Units, say};
 use tackscope::scene::{Model, Scene, Turn, edit};
-use tackscope::storage::{presets, scene_file};
+use tackscope::storage::{self, scene_file};
 
 /// The preset with these texts replaced.
 fn rubber(replaced: &[(&str, &str)]) -> String {
@@ -45,7 +45,7 @@ fn a_rubber_of_two_megapascal_is_what_is_reckoned_by_hand() {
         250e3,
     );
     // L_c = 4 pi rho^2 E*/gamma = 4 pi 1e-14 m^2 2e6 Pa / 0.05 N/m = 1.6 pi um.
-    let critical = flat::critical_length(&model.law) * units.si(Dimension::Length);
+    let critical = critical_length(&model.law) * units.si(Dimension::Length);
     near(critical, 1.6e-6 * std::f64::consts::PI);
     // gamma L^2 = 0.05 J/m^2 (20e-6 m)^2 = 2e-11 J, over 1.380649e-23 J/K 298.15 K.
     let kt = model.in_kt(model.law.surface_energy).unwrap();
@@ -146,7 +146,7 @@ fn units_that_are_none_are_refused_with_those_that_are() {
         let sentence = refused(old, new);
         says(&sentence, &[&["mine.toml"], parts].concat());
     }
-    let text = presets::find("fig2").unwrap().text;
+    let text = storage::preset("fig2").unwrap().text;
     let body = "[body]\nkind = \"half_space\"\ncontact_modulus = 2.0\n\n[law]";
     let failure = scene_file::parse(&text.replacen("[law]", body, 1), "mine.toml");
     let sentence = failure.expect_err("refused").to_string();
@@ -198,7 +198,7 @@ fn another_modulus_leaves_the_numbers_of_the_file_what_they_are() {
 /// What a scene is, whatever it is measured in.
 fn pure(scene: &Scene, model: &Model) -> Vec<f64> {
     let (gamma, rho) = (model.law.surface_energy, model.law.range);
-    let limits = flat::limits(&model.law, model.grid.length).expect("it snaps");
+    let limits = flat_limits(&model.law, model.grid.length).expect("it snaps");
     let length = match scene.drive.control {
         Control::Load => 1.0,
         _ => rho,
@@ -258,16 +258,16 @@ fn same_in(units: [usize; 3], machine: usize) -> String {
         2e6 / m,
         0.05 / g,
         length(0.1e-6),
-        LENGTHS[units[0]].word,
-        MODULI[units[1]].word,
-        SURFACE_ENERGIES[units[2]].word,
+        LENGTH_UNITS[units[0]].word,
+        MODULUS_UNITS[units[1]].word,
+        SURFACE_ENERGY_UNITS[units[2]].word,
     )
 }
 
 proptest! {
     #[test]
     fn the_same_scene_in_other_units_is_the_same_physics(
-        length in 0..LENGTHS.len(), modulus in 0..MODULI.len(), energy in 0..SURFACE_ENERGIES.len(), machine in 0..3usize,
+        length in 0..LENGTH_UNITS.len(), modulus in 0..MODULUS_UNITS.len(), energy in 0..SURFACE_ENERGY_UNITS.len(), machine in 0..3usize,
     ) {
         let [here, there] = [[2, 2, 1], [length, modulus, energy]].map(|units| {
             let scene = parsed(&same_in(units, machine));
@@ -309,7 +309,7 @@ proptest! {
     #[test]
     fn what_is_taken_is_given_again(modulus in 1e-6..1e6f64, x in 1e-9..1e9f64, k in 0..6usize) {
         let units = Units {
-            length: &LENGTHS[k], modulus: &MODULI[k % 4], surface_energy: &SURFACE_ENERGIES[k % 3],
+            length: &LENGTH_UNITS[k], modulus: &MODULUS_UNITS[k % 4], surface_energy: &SURFACE_ENERGY_UNITS[k % 3],
             contact_modulus: modulus, temperature: 300.0,
         };
         for of in [Dimension::Length, Dimension::Stress, Dimension::SurfaceEnergy, Dimension::Stiffness] {
@@ -382,7 +382,7 @@ fn the_scene_is_printed_for_programs_and_whether_it_is_real_for_people() {
         let output = tackscope().args(["scene", name]).output().unwrap();
         let printed = done(&output);
         says(&errors(&output), &[real]);
-        let scene = presets::resolve(name).unwrap();
+        let scene = storage::resolve(name).unwrap();
         assert_eq!(parsed(&printed), scene, "all of it was decided");
         assert_eq!(printed.contains("[units]"), name == "rubber");
     }
@@ -416,7 +416,7 @@ fn barriers_have_kt_where_there_are_units_and_no_column_more_where_not() {
         // gamma L^2 is 2e-11 J.
         near(kt, barrier * 2e-11 / (1.380649e-23 * 298.15));
     }
-    let fig2 = presets::find("fig2").unwrap().text;
+    let fig2 = storage::preset("fig2").unwrap().text;
     let without = barriers("without.toml", fig2);
     assert!(without[0].ends_with(",released_energy"), "{}", without[0]);
 }

@@ -1,23 +1,23 @@
 //! Scenes and their loops, for the tests of whole loops.
 #![allow(dead_code, reason = "each suite uses its part")]
 
-use tackscope::follow::record::JumpRecord;
+use tackscope::follow::record::{Direction, JumpRecord, StateRecord};
 use tackscope::follow::run::{LoopRun, Outcome, run_loop};
-use tackscope::follow::walk::WalkOptions;
-use tackscope::numerics::cancel::Cancel;
+use tackscope::follow::walk::{Observed, Progress, Walk, WalkOptions};
+use tackscope::numerics::threads::Cancel;
 use tackscope::physics::body::Body;
 use tackscope::physics::indenter::Indenter;
 use tackscope::physics::law::{Law, Shape};
-use tackscope::physics::theory::flat;
-use tackscope::scene::part::Part;
-use tackscope::scene::{Cell, Drive, LawChoice, Points, Range, Scene, Turn};
+use tackscope::physics::pattern::Pattern;
+use tackscope::physics::theory::{critical_length, flat_limits};
+use tackscope::scene::{Cell, Drive, LawChoice, Part, Points, Range, Scene, Turn};
 use tackscope::solver::methods::MethodKind;
-use tackscope::storage::presets;
+use tackscope::storage;
 use tackscope::study::plan::{plan, run_planned};
 
 /// A built-in scene.
 pub fn preset(name: &str) -> Scene {
-    presets::resolve(name).unwrap()
+    storage::resolve(name).unwrap()
 }
 
 /// The same on another mesh.
@@ -27,13 +27,60 @@ pub fn preset_on(name: &str, points: Points) -> Scene {
     scene
 }
 
-/// Walked by Newton-Krylov to its end.
-pub fn walked(scene: &Scene, part: Part) -> LoopRun {
-    let options = WalkOptions {
+/// By Newton-Krylov on this part of the cell.
+fn on(part: Part) -> WalkOptions {
+    WalkOptions {
         part,
         ..MethodKind::NewtonKrylov.into()
-    };
-    let run = run_loop(scene, options, &Cancel::default(), &mut |_| {}).unwrap();
+    }
+}
+
+/// A walk by Newton-Krylov, at rest at the start of its drive.
+pub fn start(scene: &Scene, part: Part) -> Walk {
+    Walk::start(scene, on(part), &Cancel::default()).unwrap()
+}
+
+/// What a walk brought on its way to a target.
+pub struct Way {
+    pub states: Vec<StateRecord>,
+    pub jumps: Vec<JumpRecord>,
+    pub end: Progress,
+}
+
+/// Walks to `target`, or until it cannot go on.
+pub fn go(walk: &mut Walk, target: f64) -> Way {
+    walk.set_target(target);
+    let (mut states, mut jumps) = (Vec::new(), Vec::new());
+    loop {
+        let end = walk.step(&Cancel::default(), &mut |observed| match observed {
+            Observed::State(state) => states.push(state),
+            Observed::Jump(jump) => jumps.push(jump),
+            Observed::Moving { .. } => {}
+        });
+        if end != Progress::Working {
+            return Way { states, jumps, end };
+        }
+    }
+}
+
+/// Walks to `target` and rests there; the jumps on the way.
+pub fn reach(walk: &mut Walk, target: f64) -> Vec<JumpRecord> {
+    let way = go(walk, target);
+    assert_eq!(way.end, Progress::Resting);
+    assert_eq!(walk.surface().control, target);
+    way.jumps
+}
+
+/// The patterns of a loop one way, from that before the first jump on.
+pub fn sequence(run: &LoopRun, direction: Direction) -> Vec<Pattern> {
+    let jumps = run.record.jumps.iter().filter(|j| j.direction == direction);
+    let first = jumps.clone().take(1).map(|j| j.from);
+    first.chain(jumps.map(|j| j.to)).collect()
+}
+
+/// Walked by Newton-Krylov to its end.
+pub fn walked(scene: &Scene, part: Part) -> LoopRun {
+    let run = run_loop(scene, on(part), &Cancel::default(), &mut |_| {}).unwrap();
     assert_eq!(run.outcome, Outcome::Completed, "{}", scene.title);
     run
 }
@@ -67,8 +114,8 @@ pub fn flat_ground(shape: Shape, periods: f64, points: Points) -> Scene {
         surface_energy: 0.15,
         range: 1.0,
     };
-    let length = periods * flat::critical_length(&law);
-    let (low, high) = flat::limits(&law, length).unwrap();
+    let length = periods * critical_length(&law);
+    let (low, high) = flat_limits(&law, length).unwrap();
     Scene {
         title: String::new(),
         source: String::new(),

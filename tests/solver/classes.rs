@@ -1,7 +1,7 @@
 //! Modes over even patterns, class by class: together they are the modes of the whole cell, and a
 //! class is bounded from below by its longest waves alone.
 
-use super::common::law;
+use super::common::LAW;
 use nalgebra::DMatrix;
 use ndarray::Array2;
 use proptest::prelude::*;
@@ -10,9 +10,9 @@ use rand_pcg::Pcg64;
 use std::f64::consts::PI;
 use tackscope::physics::body::{Body, Layer};
 use tackscope::physics::control::Control;
-use tackscope::physics::grid::Grid;
 use tackscope::physics::indenter::Indenter;
 use tackscope::physics::low_block::{Class, LowBlock};
+use tackscope::physics::mesh::Grid;
 use tackscope::physics::system::{Fields, System};
 use tackscope::solver::mechanics::{Mechanics, Slides};
 use tackscope::solver::stability::Tracker;
@@ -94,7 +94,7 @@ fn most_below(
 }
 
 fn even(body: Body) -> System {
-    System::even(Grid::square(60.0, N), law(), &Indenter::Flat).with_body(body)
+    System::even(Grid::square(60.0, N), LAW, &Indenter::Flat).with_body(body)
 }
 
 proptest! {

@@ -1,43 +1,39 @@
 //! Fig. 2 and its patterns, for all the cases.
 
+use crate::loops::{go, preset_on, reach, start};
+use rand::SeedableRng;
+use rand_pcg::Pcg64;
 use std::sync::OnceLock;
-use tackscope::follow::record::{Direction, JumpRecord, StateRecord};
-use tackscope::follow::run::{LoopRun, run_loop};
-use tackscope::follow::walk::{Observed, Progress, Walk, WalkOptions};
-use tackscope::numerics::cancel::Cancel;
-use tackscope::physics::grid::Grid;
+use tackscope::follow::run::{LoopRun, Outcome, run_loop};
+use tackscope::follow::walk::{Walk, WalkOptions};
+use tackscope::numerics::threads::Cancel;
 use tackscope::physics::indenter::Indenter;
 use tackscope::physics::law::{Law, Morse, Shape};
-use tackscope::physics::pattern::Pattern;
+use tackscope::physics::mesh::Grid;
+use tackscope::physics::pattern::{Pattern, classify};
 use tackscope::physics::system::System;
-use tackscope::scene::{Points, Scene};
-use tackscope::solver::Lost;
-use tackscope::solver::branch::History;
-use tackscope::solver::equilibrium::Equilibrium;
+use tackscope::scene::{Part, Points, Scene};
 use tackscope::solver::mechanics::{Mechanics, Slides};
-use tackscope::solver::method::Method;
+use tackscope::solver::method::{Equilibrium, History, Lost, Method, Stop};
 use tackscope::solver::methods::MethodKind;
-use tackscope::storage::presets;
+use tackscope::solver::stability::Tracker;
 
 /// Points of the mesh on which patterns are looked at: the coarsest that does not trap them.
 pub const N: usize = 48;
 
 /// Fig. 2 on n x n points.
 pub fn fig2(n: usize, step: f64) -> Scene {
-    let mut scene = presets::resolve("fig2").unwrap();
-    scene.cell.points = Points::Square(n);
+    let mut scene = preset_on("fig2", Points::Square(n));
     scene.drive.step = step;
     scene
 }
 
 /// Its law, all lengths in ranges.
-pub fn law() -> Law {
-    Law {
-        shape: Shape::Morse(Morse),
-        surface_energy: 0.15,
-        range: 1.0,
-    }
-}
+pub const LAW: Law = Law {
+    shape: Shape::Morse(Morse),
+    surface_energy: 0.15,
+    range: 1.0,
+};
 
 /// Mechanics without a walk around it.
 pub struct Bench {
@@ -47,7 +43,7 @@ pub struct Bench {
 impl Bench {
     /// Fig. 2.
     pub fn new() -> Self {
-        Self::of(law(), N)
+        Self::of(LAW, N)
     }
 
     pub fn of(law: Law, n: usize) -> Self {
@@ -82,19 +78,12 @@ impl Bench {
     pub fn state(&mut self, z: Vec<f64>, u0: f64) -> Equilibrium {
         let at = self.mechanics.at(z, u0);
         let residual = self.mechanics.residual(&at);
-        Equilibrium::unmeasured(
-            at,
-            residual,
-            tackscope::solver::Stop::NotConverged,
-            Default::default(),
-        )
+        Equilibrium::unmeasured(at, residual, Stop::NotConverged, Default::default())
     }
 
     /// Checks its stability and labels it, as the walk does.
     pub fn label(&mut self, state: &mut Equilibrium) {
-        use rand::SeedableRng;
-        let mut tracker =
-            tackscope::solver::stability::Tracker::new(rand_pcg::Pcg64::seed_from_u64(7));
+        let mut tracker = Tracker::new(Pcg64::seed_from_u64(7));
         let (stiffness, mode) =
             tracker.check(&mut self.mechanics, &state.state.amplitudes, &state.fields);
         state.measured(stiffness, mode);
@@ -102,34 +91,8 @@ impl Bench {
 
     /// The pattern that a state shows.
     pub fn pattern(&self, state: &Equilibrium) -> Pattern {
-        tackscope::physics::pattern::classify(
-            state.fields.gap.view(),
-            self.mechanics.system.law(),
-            true,
-        )
-    }
-}
-
-/// What a walk brought on its way to a target.
-pub struct Way {
-    pub states: Vec<StateRecord>,
-    pub jumps: Vec<JumpRecord>,
-    pub end: Progress,
-}
-
-/// Walks to `target`, or until it cannot go on.
-pub fn go(walk: &mut Walk, target: f64) -> Way {
-    walk.set_target(target);
-    let (mut states, mut jumps) = (Vec::new(), Vec::new());
-    loop {
-        let end = walk.step(&Cancel::default(), &mut |observed| match observed {
-            Observed::State(state) => states.push(state),
-            Observed::Jump(jump) => jumps.push(jump),
-            Observed::Moving { .. } => {}
-        });
-        if end != Progress::Working {
-            return Way { states, jumps, end };
-        }
+        let law = self.mechanics.system.law();
+        classify(state.fields.gap.view(), law, true)
     }
 }
 
@@ -144,29 +107,17 @@ pub fn walk_by(scene: &Scene, method: impl Method + 'static) -> Walk {
     .unwrap()
 }
 
+/// The loop of a scene by one of the methods.
 pub fn looped(scene: &Scene, method: MethodKind) -> LoopRun {
-    run_loop(scene, method.into(), &Cancel::default(), &mut |_| {}).unwrap()
-}
-
-/// Patterns visited on one direction.
-pub fn visited(run: &LoopRun, direction: Direction) -> Vec<Pattern> {
-    run.record
-        .jumps
-        .iter()
-        .filter(|j| j.direction == direction)
-        .map(|j| j.to)
-        .collect()
+    let run = run_loop(scene, method.into(), &Cancel::default(), &mut |_| {}).unwrap();
+    assert_eq!(run.outcome, Outcome::Completed, "{method:?}");
+    run
 }
 
 /// Three states of a pattern of Fig. 2, the newest last, as the walk reached them going to `target`
 /// by way of `turn`.
 fn reached(turn: f64, target: f64, pattern: Pattern) -> Vec<Equilibrium> {
-    let mut walk = Walk::start(
-        &fig2(N, 0.05),
-        MethodKind::NewtonKrylov.into(),
-        &Cancel::default(),
-    )
-    .unwrap();
+    let mut walk = start(&fig2(N, 0.05), Part::Whole);
     go(&mut walk, turn);
     let mut states = Vec::new();
     for back in [0.1, 0.05, 0.0] {
@@ -175,7 +126,7 @@ fn reached(turn: f64, target: f64, pattern: Pattern) -> Vec<Equilibrium> {
         } else {
             target + back
         };
-        assert_eq!(go(&mut walk, u0).end, Progress::Resting);
+        reach(&mut walk, u0);
         states.push(walk.here().clone());
     }
     assert_eq!(walk.record().pattern, pattern);

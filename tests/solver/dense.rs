@@ -4,8 +4,8 @@
 use nalgebra::{DMatrix, DVector};
 use ndarray::Array2;
 use std::f64::consts::{PI, TAU};
-use tackscope::physics::grid::Grid;
 use tackscope::physics::law::Law;
+use tackscope::physics::mesh::Grid;
 
 /// Stiffness (E*/L) of a sliding mode below which the record leaves it out where the mesh may pin
 /// patterns.

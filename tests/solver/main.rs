@@ -5,6 +5,8 @@ mod classes;
 mod common;
 mod dense;
 mod jumps;
+#[path = "../shared/loops.rs"]
+mod loops;
 mod methods;
 mod numbers;
 mod planted_modes;

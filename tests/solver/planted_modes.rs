@@ -6,24 +6,19 @@
 //! degenerate; half as long a wave of the gap along x or y, of an amplitude of choice, makes one of
 //! them softer and its companion harder.
 
+use crate::common::LAW;
 use crate::dense::Dense;
 use ndarray::Array2;
 use proptest::prelude::*;
 use rand::SeedableRng;
 use rand_pcg::Pcg64;
 use std::f64::consts::{PI, TAU};
-use tackscope::physics::grid::Grid;
 use tackscope::physics::indenter::{Hertz, Indenter};
-use tackscope::physics::law::{Law, Morse, Shape};
+use tackscope::physics::mesh::Grid;
 use tackscope::physics::system::{Evaluation, System};
 use tackscope::solver::mechanics::{Mechanics, Slides};
 use tackscope::solver::stability::Tracker;
 
-const LAW: Law = Law {
-    shape: Shape::Morse(Morse),
-    surface_energy: 0.15,
-    range: 1.0,
-};
 const LENGTH: f64 = 256.0;
 
 /// The gap `uniform` + a cos(2 q1 x) + b cos(2 q1 y).

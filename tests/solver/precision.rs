@@ -1,97 +1,54 @@
 //! Numbers of fewer bits: what they change, and what they must not.
 
+use super::common::{LAW, N, fig2};
+use crate::loops::assert_same_jumps;
 use tackscope::follow::run::{LoopRun, Outcome, run_loop};
 use tackscope::follow::walk::WalkOptions;
-use tackscope::numerics::cancel::Cancel;
+use tackscope::numerics::dense::{add, max_abs, norm, scale};
 use tackscope::numerics::precision::Precision;
-use tackscope::numerics::vector::{add, max_abs, norm, scale};
-use tackscope::physics::grid::Grid;
+use tackscope::numerics::threads::Cancel;
 use tackscope::physics::indenter::Indenter;
-use tackscope::physics::law::{Law, Morse, Shape};
+use tackscope::physics::mesh::Grid;
 use tackscope::physics::system::System;
-use tackscope::scene::part::Part;
-use tackscope::scene::{Points, Scene};
+use tackscope::scene::Part;
 use tackscope::solver::Stop;
 use tackscope::solver::methods::MethodKind;
 use tackscope::solver::stability::random_smooth;
-use tackscope::storage::presets;
-
-const LAW: Law = Law {
-    shape: Shape::Morse(Morse),
-    surface_energy: 0.15,
-    range: 1.0,
-};
 
 fn looped(precision: Precision, part: Part) -> LoopRun {
-    let mut scene: Scene = presets::resolve("fig2").unwrap();
-    scene.cell.points = Points::Square(48);
-    scene.drive.step = 0.04;
-    let run = run_loop(
-        &scene,
-        WalkOptions {
-            part,
-            precision,
-            ..MethodKind::NewtonKrylov.into()
-        },
-        &Cancel::default(),
-        &mut |_| {},
-    )
-    .unwrap();
+    let options = WalkOptions {
+        part,
+        precision,
+        ..MethodKind::NewtonKrylov.into()
+    };
+    let run = run_loop(&fig2(N, 0.04), options, &Cancel::default(), &mut |_| {}).unwrap();
     assert_eq!(run.outcome, Outcome::Completed, "{precision:?}");
     run
 }
 
-/// The same jumps within `distance` of u0, and the same loss within the share `loss`.
-fn agree(run: &LoopRun, double: &LoopRun, distance: f64, loss: f64) {
-    let what = |run: &LoopRun| {
-        run.record
-            .jumps
-            .iter()
-            .map(|j| (j.direction, j.from, j.to))
-            .collect::<Vec<_>>()
-    };
-    assert_eq!(what(run), what(double));
-    for (a, b) in run.record.jumps.iter().zip(&double.record.jumps) {
-        assert!(
-            (a.mean_displacement - b.mean_displacement).abs() < distance,
-            "{a:?} {b:?}"
-        );
+/// A loop on either part of the cell, held to have the jumps of double precision within `distance`
+/// of u0, the same loss within the share `loss`, and only stable states within the `tolerance`.
+fn agrees(precision: Precision, [distance, loss, tolerance]: [f64; 3]) {
+    for part in [Part::Whole, Part::Quarter] {
+        let [run, double] = [precision, Precision::Double].map(|p| looped(p, part).record);
+        assert_same_jumps(&run.jumps, &double.jumps, distance);
+        let (ours, theirs) = (run.released_energy_sum(), double.released_energy_sum());
+        assert!((ours / theirs - 1.0).abs() < loss, "{ours} {theirs}");
+        for state in &run.states {
+            let good = state.stop == Stop::Stable && state.residual <= tolerance;
+            assert!(good, "{state:?}");
+        }
     }
-    let (ours, theirs) = (
-        run.record.released_energy_sum(),
-        double.record.released_energy_sum(),
-    );
-    assert!((ours / theirs - 1.0).abs() < loss, "{ours} {theirs}");
 }
 
 #[test]
 fn mixed_precision_gives_the_jumps_of_double_precision_and_meets_its_tolerance() {
-    for part in [Part::Whole, Part::Quarter] {
-        let mixed = looped(Precision::Mixed, part);
-        agree(&mixed, &looped(Precision::Double, part), 2e-4, 1e-4);
-        assert!(
-            mixed
-                .record
-                .states
-                .iter()
-                .all(|s| s.stop == Stop::Stable && s.residual <= 1e-6)
-        );
-    }
+    agrees(Precision::Mixed, [2e-4, 1e-4, 1e-6]);
 }
 
 #[test]
 fn single_precision_gives_the_same_jumps_at_the_tolerance_it_can_meet() {
-    for part in [Part::Whole, Part::Quarter] {
-        let single = looped(Precision::Single, part);
-        agree(&single, &looped(Precision::Double, part), 1e-3, 1e-3);
-        assert!(
-            single
-                .record
-                .states
-                .iter()
-                .all(|s| s.stop == Stop::Stable && s.residual <= 1e-4)
-        );
-    }
+    agrees(Precision::Single, [1e-3, 1e-3, 1e-4]);
 }
 
 #[test]

@@ -1,16 +1,17 @@
 //! A small residual is not stability.
 
-use super::common::{Bench, bulge, dimple, fig2, go, history, walk_by};
+use super::common::{Bench, N, bulge, dimple, fig2, history, walk_by};
+use crate::loops::{go, start};
 use rand::SeedableRng;
 use tackscope::follow::walk::{Progress, Walk};
-use tackscope::numerics::cancel::Cancel;
+use tackscope::numerics::dense::{add, dot, norm};
 use tackscope::numerics::eigen::{EigenLimits, smallest};
-use tackscope::numerics::vector::{add, norm};
+use tackscope::numerics::threads::Cancel;
 use tackscope::physics::pattern::Pattern;
-use tackscope::solver::Lost;
-use tackscope::solver::Stop;
+use tackscope::scene::Part;
 use tackscope::solver::descent::Descent;
 use tackscope::solver::gfmd::{Gfmd, GfmdBudget};
+use tackscope::solver::method::{Lost, Stop};
 use tackscope::solver::methods::MethodKind;
 use tackscope::solver::stability::{Tracker, random_smooth};
 
@@ -42,12 +43,7 @@ fn a_flat_saddle_that_a_residual_accepts_at_two_and_a_half_ranges_is_labelled_un
             "{state:?}"
         );
     }
-    let mut newton = Walk::start(
-        &fig2(24, 0.1),
-        MethodKind::NewtonKrylov.into(),
-        &Cancel::default(),
-    )
-    .unwrap();
+    let mut newton = start(&fig2(24, 0.1), Part::Whole);
     let way = go(&mut newton, 2.5);
     assert!(
         way.states.iter().all(|s| s.stop == Stop::Stable)
@@ -116,7 +112,7 @@ fn the_walk_leaves_the_dimple_at_its_true_limit_whatever_the_method() {
         MethodKind::ConjugateGradients,
         MethodKind::Fire,
     ] {
-        let scene = fig2(super::common::N, 0.05);
+        let scene = fig2(N, 0.05);
         let mut start = Walk::start(&scene, kind.into(), &Cancel::default()).unwrap();
         go(&mut start, 0.3);
         let way = go(&mut start, 2.4);
@@ -214,7 +210,7 @@ fn sliding_modes_would_always_read_zero_and_are_left_out() {
     let mut image = vec![0.0; state.state.amplitudes.len()];
     for mode in &slides {
         bench.mechanics.hessian(&state.fields, mode, &mut image);
-        let stiffness = tackscope::numerics::vector::dot(mode, &image) * 256.0;
+        let stiffness = dot(mode, &image) * 256.0;
         assert!(stiffness.abs() < 0.02, "{stiffness}");
     }
     let mut labelled = state;

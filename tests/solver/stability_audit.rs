@@ -14,13 +14,12 @@ use rand_pcg::Pcg64;
 use std::collections::BTreeMap;
 use tackscope::follow::record::StateRecord;
 use tackscope::follow::walk::{Observed, Progress, Walk, WalkOptions};
-use tackscope::numerics::cancel::Cancel;
-use tackscope::numerics::vector::dot;
+use tackscope::numerics::dense::dot;
+use tackscope::numerics::threads::Cancel;
 use tackscope::physics::body::Body;
 use tackscope::physics::indenter::{Hertz, Indenter, Rough, Wave};
 use tackscope::physics::law::{Cosine, DoubleExponential, Law, Mie, Morse, Shape};
-use tackscope::scene::part::Part;
-use tackscope::scene::{Cell, Drive, LawChoice, Points, Range, Scene, Turn};
+use tackscope::scene::{Cell, Drive, LawChoice, Part, Points, Range, Scene, Turn};
 use tackscope::solver::Stop;
 use tackscope::solver::methods::MethodKind;
 
@@ -147,7 +146,7 @@ fn random_scene(rng: &mut Pcg64, most: usize) -> (Scene, Part) {
         range: 1.0,
     };
     let mu_rho = rng.random_range(0.25..0.8);
-    let range = tackscope::physics::mesh_rule::range_for_mu_rho(&unit, 1.0, mu_rho);
+    let range = tackscope::physics::mesh::range_for_mu_rho(&unit, 1.0, mu_rho);
     let length = n as f64;
     let indenter = random_indenter(rng, points, range);
     let part = if indenter.ground().is_even() && rng.random() {

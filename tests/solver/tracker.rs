@@ -1,47 +1,30 @@
 //! The smallest eigenvalue looked for on a coarser mesh, against the same on the mesh itself.
 
+use super::common::LAW;
+use crate::loops::{preset_on, reach, start};
 use proptest::prelude::*;
 use rand::SeedableRng;
 use rand_pcg::Pcg64;
-use tackscope::follow::walk::{Progress, Walk};
-use tackscope::numerics::cancel::Cancel;
-use tackscope::physics::grid::Grid;
 use tackscope::physics::indenter::Indenter;
-use tackscope::physics::law::{Law, Morse, Shape};
+use tackscope::physics::mesh::Grid;
 use tackscope::physics::pattern::Pattern;
 use tackscope::physics::system::{System, carried};
-use tackscope::scene::{Points, Scene};
+use tackscope::scene::{Part, Points};
 use tackscope::solver::mechanics::{Mechanics, Slides};
-use tackscope::solver::methods::MethodKind;
 use tackscope::solver::stability::{Tracker, random_smooth};
-use tackscope::storage::presets;
 
-const LAW: Law = Law {
-    shape: Shape::Morse(Morse),
-    surface_energy: 0.15,
-    range: 1.0,
-};
 const LENGTH: f64 = 256.0;
 
 fn system(n: usize) -> System {
     System::new(Grid::square(LENGTH, n), LAW, &Indenter::Flat)
 }
 
-/// The state of Fig. 2 on n = 64 after going to these places in turn.
-fn state(places: &[f64]) -> (Pattern, f64, Vec<f64>) {
-    let mut scene: Scene = presets::resolve("fig2").unwrap();
-    scene.cell.points = Points::Square(64);
-    let mut walk =
-        Walk::start(&scene, MethodKind::NewtonKrylov.into(), &Cancel::default()).unwrap();
-    for &place in places {
-        walk.set_target(place);
-        while walk.step(&Cancel::default(), &mut |_| {}) == Progress::Working {}
-    }
-    (
-        walk.record().pattern,
-        walk.surface().control,
-        walk.here().state.amplitudes.clone(),
-    )
+/// The state of Fig. 2 on n = 64 at this place on approach.
+fn state(place: f64) -> (Pattern, Vec<f64>) {
+    let mut walk = start(&preset_on("fig2", Points::Square(64)), Part::Whole);
+    reach(&mut walk, place);
+    let amplitudes = walk.here().state.amplitudes.clone();
+    (walk.record().pattern, amplitudes)
 }
 
 /// Value and error on 128 x 128 points, by way of `coarse` points if given; transforms spent on the
@@ -66,13 +49,13 @@ fn smallest(z: &[f64], u0: f64, coarse: Option<usize>) -> (f64, f64, usize) {
 
 #[test]
 fn a_coarser_mesh_finds_the_same_smallest_eigenvalue_for_one_product_on_the_fine_one() {
-    for (pattern, places) in [
-        (Pattern::Bulge, &[3.0][..]),
-        (Pattern::Ridge, &[2.0]),
-        (Pattern::Ridge, &[1.345]),
-        (Pattern::Dimple, &[0.8]),
+    for (pattern, u0) in [
+        (Pattern::Bulge, 3.0),
+        (Pattern::Ridge, 2.0),
+        (Pattern::Ridge, 1.345),
+        (Pattern::Dimple, 0.8),
     ] {
-        let (found, u0, z) = state(places);
+        let (found, z) = state(u0);
         assert_eq!(found, pattern);
         let (value, error, there) = smallest(&z, u0, None);
         let (coarse, bound, here) = smallest(&z, u0, Some(88));
@@ -101,7 +84,7 @@ fn a_coarser_mesh_finds_the_same_smallest_eigenvalue_for_one_product_on_the_fine
 /// by way of the same coarse mesh.
 #[test]
 fn a_bound_from_above_and_a_check_share_the_modes_of_a_coarse_mesh() {
-    let (_, u0, z) = state(&[3.0]);
+    let (u0, (_, z)) = (3.0, state(3.0));
     let mut fine = Mechanics::new(system(128), Slides::Freely);
     let at = fine.at(carried(&z, &system(64), &fine.system), u0);
     fine.refresh(&at.fields);
@@ -122,7 +105,7 @@ fn a_bound_from_above_and_a_check_share_the_modes_of_a_coarse_mesh() {
 #[test]
 fn where_the_coarse_mesh_does_not_resolve_the_mode_the_fine_one_goes_on() {
     // The edge of a bulge on twelve points is no edge.
-    let (_, u0, z) = state(&[3.0]);
+    let (u0, (_, z)) = (3.0, state(3.0));
     let (value, ..) = smallest(&z, u0, None);
     let (coarse, bound, here) = smallest(&z, u0, Some(12));
     assert!(

@@ -4,11 +4,10 @@ use crate::loops::{preset_on, walked};
 use tackscope::follow::record::{Direction, LoopRecord, StateRecord};
 use tackscope::follow::run::LoopRun;
 use tackscope::follow::walk::Walk;
-use tackscope::numerics::cancel::Cancel;
+use tackscope::numerics::threads::Cancel;
 use tackscope::physics::pattern::Pattern;
-use tackscope::physics::theory::flat;
-use tackscope::scene::part::Part;
-use tackscope::scene::{Model, Points, Scene};
+use tackscope::physics::theory::{flat_limits, flat_stiffness};
+use tackscope::scene::{Model, Part, Points, Scene};
 use tackscope::solver::methods::MethodKind;
 use tackscope::study::forecast::{Forecast, forecast};
 
@@ -18,7 +17,7 @@ fn fig2(points: usize) -> Scene {
 
 /// The limit of the flat state on a way, by Eq. 8.
 fn limit(model: &Model, branch: Direction) -> f64 {
-    let (lower, upper) = flat::limits(&model.law, model.grid.length).unwrap();
+    let (lower, upper) = flat_limits(&model.law, model.grid.length).unwrap();
     match branch {
         Direction::Approach => upper,
         Direction::Retraction => lower,
@@ -126,7 +125,7 @@ fn flat_states(direction: Direction, path: &[f64], pattern: Pattern) -> (LoopRec
             control: mean_displacement,
             mean_displacement,
             pattern,
-            stiffness_min: flat::stiffness_min(&model.law, model.grid.length, mean_displacement),
+            stiffness_min: flat_stiffness(&model.law, model.grid.length, mean_displacement),
             ..first.clone()
         })
         .collect();

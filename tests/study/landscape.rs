@@ -6,15 +6,15 @@ use crate::loops::{flat_ground, preset_on};
 use ndarray::Array2;
 use std::f64::consts::{LN_2, PI};
 use tackscope::follow::diagram::{Branch, Diagram, Kind};
-use tackscope::numerics::cancel::Cancel;
-use tackscope::numerics::vector::{dot, norm};
+use tackscope::numerics::dense::{dot, norm};
+use tackscope::numerics::threads::Cancel;
 use tackscope::physics::control::Control;
-use tackscope::physics::grid::Grid;
 use tackscope::physics::indenter::Indenter;
 use tackscope::physics::law::{Morse, Shape};
+use tackscope::physics::mesh::Grid;
 use tackscope::physics::pattern::Pattern;
 use tackscope::physics::system::System;
-use tackscope::physics::theory::flat;
+use tackscope::physics::theory::flat_limits;
 use tackscope::scene::{Model, Points, Scene, Turn};
 use tackscope::solver::Lost;
 use tackscope::solver::mechanics::{Mechanics, Slides};
@@ -105,7 +105,7 @@ fn tends(powers: &[f64], goal: f64, near: f64) -> bool {
 #[test]
 fn a_barrier_vanishes_as_the_square_of_the_distance_to_a_subcritical_bifurcation() {
     let known = Known::fig2();
-    let (low, high) = flat::limits(&known.model.law, known.model.grid.length).unwrap();
+    let (low, high) = flat_limits(&known.model.law, known.model.grid.length).unwrap();
     let bulge = known.events("square", Kind::Bifurcation)[1];
     for (branch, end, side) in [
         ("flat", high, 1.0),
@@ -240,7 +240,7 @@ fn a_saddle_has_one_negative_eigenvalue_over_all_modes_and_its_sides_have_none()
     let scene = flat_ground(Shape::Morse(Morse), 1.6, Points::Square(16));
     let known = Known::of(scene);
     let law = known.model.law;
-    let (_, high) = flat::limits(&law, known.model.grid.length).unwrap();
+    let (_, high) = flat_limits(&law, known.model.grid.length).unwrap();
     let mut looked = 0;
     for u0 in [high + 0.05, high - 0.3, high - 0.6] {
         for (Saddle { place, sides, .. }, piece) in known.ground().saddles(u0).unwrap().found {
@@ -283,7 +283,7 @@ fn a_barrier_changes_with_u0_by_the_stress_of_the_saddle_less_that_of_the_state(
 fn the_curve_of_a_barrier_goes_through_it_and_ends_at_zero_where_the_state_gives_way() {
     let known = Known::fig2();
     let gamma = known.model.law.surface_energy;
-    let (_, high) = flat::limits(&known.model.law, known.model.grid.length).unwrap();
+    let (_, high) = flat_limits(&known.model.law, known.model.grid.length).unwrap();
     let found = known.around("flat", 3.5);
     let curve = &found.passes[0].barriers;
     let folds = known.events("square", Kind::Fold);

@@ -3,10 +3,9 @@
 
 use crate::loops::{assert_same_jumps, preset, preset_on, walked};
 use tackscope::follow::record::{Cause, Direction, JumpRecord};
-use tackscope::numerics::cancel::Cancel;
-use tackscope::physics::theory::flat;
-use tackscope::scene::part::Part;
-use tackscope::scene::{Points, Range, Scene, Turn};
+use tackscope::numerics::threads::Cancel;
+use tackscope::physics::theory::{critical_length, flat_limits};
+use tackscope::scene::{Part, Points, Range, Scene, Turn};
 use tackscope::study::live_loop::{Fineness, LiveLoops};
 use tackscope::study::map::{PatternMap, Vary};
 use tackscope::study::time_step_map::{Progress, Survey, TimeStepMap};
@@ -34,7 +33,7 @@ fn the_flat_limits_of_every_row_are_those_of_eq_8_and_the_loss_is_the_sum_of_the
     for row in &map.rows {
         let (law, found) = (row.law.unwrap(), row.found.as_ref().unwrap());
         assert_eq!(law.range, row.value);
-        let (lower, upper) = flat::limits(&law, 256.0).unwrap();
+        let (lower, upper) = flat_limits(&law, 256.0).unwrap();
         for (direction, limit) in [(Direction::Approach, upper), (Direction::Retraction, lower)] {
             let jump = found
                 .jumps
@@ -63,7 +62,7 @@ fn every_row_is_the_loop_made_afresh_also_where_the_order_of_the_patterns_change
     for row in map.rows.iter().step_by(3) {
         let mut scene = preset("fig2");
         scene.law.range = Range::Length(row.value);
-        let limits = flat::limits(&row.law.unwrap(), 256.0).unwrap();
+        let limits = flat_limits(&row.law.unwrap(), 256.0).unwrap();
         scene.drive.start = limits.1 + 8.0 * row.value;
         scene.drive.turn = Turn::At(limits.0 - row.value);
         let fresh = LiveLoops::default()
@@ -113,7 +112,7 @@ fn rows_are_told_from_few_to_many_and_together_are_the_map_up_and_down() {
 
 #[test]
 fn below_the_critical_length_nothing_jumps_and_nothing_is_lost() {
-    let critical = flat::critical_length(&preset("fig2").model().unwrap().law);
+    let critical = critical_length(&preset("fig2").model().unwrap().law);
     let map = map("cell.length", 0.8 * critical, 1.27 * critical, 6);
     for row in &map.rows {
         let found = row.found.as_ref().unwrap();
@@ -208,7 +207,7 @@ fn the_measured_limit_agrees_with_the_bound_within_one_cell_and_never_lies_below
     let map = measured(&scene, 0.2);
     assert_eq!(map.displacements.len(), map.columns);
     let model = scene.model().unwrap();
-    let (lower, _) = flat::limits(&model.law, model.grid.length).unwrap();
+    let (lower, _) = flat_limits(&model.law, model.grid.length).unwrap();
     let (mut tight, mut compressed) = (0, 0);
     let ratio = map.time_steps[1] / map.time_steps[0];
     for (column, limit) in limits(&map).into_iter().enumerate() {

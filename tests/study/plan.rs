@@ -8,13 +8,12 @@ use rand_pcg::Pcg64;
 use std::f64::consts::TAU;
 use tackscope::follow::atlas::{Atlas, End, Meshes};
 use tackscope::follow::walk::{Progress, Walk, WalkOptions};
-use tackscope::numerics::cancel::Cancel;
+use tackscope::numerics::threads::Cancel;
 use tackscope::physics::indenter::{Hertz, Indenter, Wave};
 use tackscope::physics::law::{Cosine, DoubleExponential, Law, Mie, Morse, Shape};
-use tackscope::physics::mesh_rule::next_fast;
+use tackscope::physics::mesh::next_fast;
 use tackscope::physics::pattern::Pattern;
-use tackscope::scene::part::{Part, Strategy};
-use tackscope::scene::{Cell, Points, Range, Scene, Turn};
+use tackscope::scene::{Cell, Part, Points, Range, Scene, Strategy, Turn};
 use tackscope::solver::methods::MethodKind::NewtonKrylov;
 use tackscope::study::plan::{measured_error, plan, reference, refusal, run_planned};
 
@@ -23,6 +22,20 @@ fn scene(shape: Shape, periods: f64, accuracy: f64) -> Scene {
     Scene {
         accuracy,
         ..flat_ground(shape, periods, Points::Auto)
+    }
+}
+
+/// A law of any kind.
+fn random_law(rng: &mut Pcg64, mie: impl Fn(&mut Pcg64) -> Mie) -> Shape {
+    match rng.random_range(0..4) {
+        0 => Shape::Morse(Morse),
+        1 => Shape::Mie(mie(rng)),
+        2 => Shape::DoubleExponential(DoubleExponential {
+            ratio: rng.random_range(0.25..0.8),
+        }),
+        _ => Shape::Cosine(Cosine {
+            smooth: rng.random::<bool>(),
+        }),
     }
 }
 
@@ -37,16 +50,7 @@ fn predicted_error_is_an_upper_bound_in_95_percent_of_random_scenes() {
         // Long cells are dear: every fourth may be up to 20, the others up to 6.
         let longest: f64 = if i % 4 == 0 { 20.0 } else { 6.0 };
         let ratio = 1.2 * (longest / 1.2).powf(rng.random::<f64>());
-        let shape = match rng.random_range(0..4) {
-            0 => Shape::Morse(Morse),
-            1 => Shape::Mie(Mie { m: 8.0, n: 2.0 }),
-            2 => Shape::DoubleExponential(DoubleExponential {
-                ratio: rng.random_range(0.25..0.8),
-            }),
-            _ => Shape::Cosine(Cosine {
-                smooth: rng.random::<bool>(),
-            }),
-        };
+        let shape = random_law(&mut rng, |_| Mie { m: 8.0, n: 2.0 });
         let target = [0.1, 0.01, 0.001, 0.0001][rng.random_range(0..4)];
         let scene = scene(shape, ratio, target);
         let model = scene.model().unwrap();
@@ -172,19 +176,10 @@ fn a_tip_is_left_to_its_even_quarter_and_the_user_may_overrule() {
 fn no_mesh_is_chosen_that_the_program_itself_warns_about() {
     let mut rng = Pcg64::seed_from_u64(4);
     for _ in 0..400 {
-        let shape = match rng.random_range(0..4) {
-            0 => Shape::Morse(Morse),
-            1 => Shape::Mie(Mie {
-                m: rng.random_range(4.0..16.0),
-                n: rng.random_range(1.0..3.9),
-            }),
-            2 => Shape::DoubleExponential(DoubleExponential {
-                ratio: rng.random_range(0.25..0.8),
-            }),
-            _ => Shape::Cosine(Cosine {
-                smooth: rng.random::<bool>(),
-            }),
-        };
+        let shape = random_law(&mut rng, |rng| Mie {
+            m: rng.random_range(4.0..16.0),
+            n: rng.random_range(1.0..3.9),
+        });
         let scene = scene(
             shape,
             rng.random_range(1.1..30.0),

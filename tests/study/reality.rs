@@ -3,7 +3,7 @@
 
 use crate::loops::preset;
 use tackscope::physics::indenter::{Hertz, Indenter};
-use tackscope::scene::units::{LENGTHS, MODULI, SURFACE_ENERGIES, Units};
+use tackscope::scene::parameter::{LENGTH_UNITS, MODULUS_UNITS, SURFACE_ENERGY_UNITS, Units};
 use tackscope::scene::{Points, Range, Scene};
 use tackscope::study::reality::{Check, Verdict, reality};
 
@@ -63,9 +63,9 @@ fn a_scene_without_units_is_asked_for_no_metres() {
 fn what_cannot_be_is_said_to_fail() {
     let mut scene = preset("fig2");
     let units = Units {
-        length: &LENGTHS[3],
-        modulus: &MODULI[2],
-        surface_energy: &SURFACE_ENERGIES[1],
+        length: &LENGTH_UNITS[3],
+        modulus: &MODULUS_UNITS[2],
+        surface_energy: &SURFACE_ENERGY_UNITS[1],
         contact_modulus: 100.0,
         temperature: 298.15,
     };
@@ -81,7 +81,7 @@ fn what_cannot_be_is_said_to_fail() {
     // (256 nm)^2 of 15 mJ/m^2 is 9.83e-16 J, 2.39e5 kT.
     says(&checks(&scene), "No heat", Verdict::Holds, &["2.39e5 kT"]);
     scene.units = Some(Units {
-        length: &LENGTHS[5],
+        length: &LENGTH_UNITS[5],
         ..units
     });
     let small = checks(&scene);

@@ -3,10 +3,9 @@
 use crate::loops::preset;
 use nalgebra::{DMatrix, DVector};
 use std::f64::consts::PI;
-use tackscope::numerics::cancel::Cancel;
-use tackscope::physics::theory::flat;
-use tackscope::scene::part::Strategy;
-use tackscope::scene::{Points, Range, Scene};
+use tackscope::numerics::threads::Cancel;
+use tackscope::physics::theory::flat_limits;
+use tackscope::scene::{Points, Range, Scene, Strategy};
 use tackscope::solver::sector::{SHARP, Sector, Side};
 use tackscope::study::chart::{Effort, News, Point, Reference, measure, run};
 
@@ -192,7 +191,7 @@ fn on_a_line_the_error_bar_holds_against_folds_of_dense_matrices() {
     let model = scene.model().unwrap();
     let ridges = Ridges::new(model.law.surface_energy, model.grid.length, 144);
     let flat_energy = |u0: f64| model.law.at(u0).energy;
-    let (low, high) = flat::limits(&model.law, ridges.length).unwrap();
+    let (low, high) = flat_limits(&model.law, ridges.length).unwrap();
     let (mut loss, mut places) = (0.0, vec![high, low]);
     for (limit, near) in [(low, 0.78), (high, 3.86)] {
         loss += flat_energy(limit) - ridges.at(&ridges.ridge(limit), limit).energy;

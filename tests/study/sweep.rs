@@ -3,8 +3,8 @@
 use crate::loops::preset;
 use proptest::prelude::*;
 use std::collections::HashSet;
-use tackscope::numerics::cancel::Cancel;
-use tackscope::physics::theory::flat;
+use tackscope::numerics::threads::Cancel;
+use tackscope::physics::theory::flat_limits;
 use tackscope::scene::{Points, Range, Scene};
 use tackscope::study::map::{convergences, estimate, ladder};
 use tackscope::study::plan::read_off;
@@ -110,7 +110,7 @@ fn a_key_changes_its_number_and_the_drive_goes_beyond_every_jump() {
         (&scene.law.shape, scene.seed)
     );
     let model = there.model().unwrap();
-    let (lower, upper) = flat::limits(&model.law, 400.0).unwrap();
+    let (lower, upper) = flat_limits(&model.law, 400.0).unwrap();
     let turn = there.turn_of_u0().unwrap();
     assert!(
         there.drive.start > upper && turn < lower,
@@ -229,7 +229,7 @@ fn the_error_bars_of_a_ladder_hold_against_theory_and_a_finer_mesh() {
             .estimate
     };
     let law = scene.model().unwrap().law;
-    let (lower, upper) = flat::limits(&law, 256.0).unwrap();
+    let (lower, upper) = flat_limits(&law, 256.0).unwrap();
     scene.cell.points = Points::Square(120);
     let jumps = &read_off(&scene, &Cancel::default()).unwrap()[0];
     let loss: f64 = jumps.iter().map(|jump| jump.released_energy).sum();

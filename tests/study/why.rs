@@ -3,17 +3,15 @@
 
 use crate::loops::{preset, preset_on};
 use std::f64::consts::PI;
-use tackscope::follow::contest::Share;
 use tackscope::follow::flat_branch::FlatBranch;
-use tackscope::follow::record::{Cause, Direction, JumpRecord, LoopRecord, StateRecord};
+use tackscope::follow::record::{Cause, Direction, JumpRecord, LoopRecord, Share, StateRecord};
 use tackscope::follow::walk::{Observed, Progress, Walk, WalkOptions};
-use tackscope::numerics::cancel::Cancel;
+use tackscope::numerics::threads::Cancel;
 use tackscope::physics::body::{Body, Layer};
 use tackscope::physics::control::Control;
 use tackscope::physics::pattern::Pattern;
-use tackscope::physics::theory::flat;
-use tackscope::scene::part::Part;
-use tackscope::scene::{Points, Scene};
+use tackscope::physics::theory::{critical_length, flat_limits};
+use tackscope::scene::{Part, Points, Scene};
 use tackscope::study::forecast::{ahead, calm};
 use tackscope::study::why::{Balance, Criterion, Evidence, Explanation, Holder, Shape, explain};
 
@@ -35,14 +33,11 @@ fn jump(cause: Cause, u0: f64, control: f64) -> JumpRecord {
 }
 
 /// Why the flat surface of a scene gives way where it does, on approach and on retraction.
-fn flat_limits(scene: &Scene) -> [Explanation; 2] {
+fn flat_explained(scene: &Scene) -> [Explanation; 2] {
     let model = scene.model().unwrap();
     let control = scene.control();
     let branch = FlatBranch::new(model.law, model.equivalent_length, control);
-    let far = 30.0 * model.law.range;
-    let (_, upper) = branch.limit_between(far, model.law.softest_gap()).unwrap();
-    let near = model.law.equilibrium_gap();
-    let (_, lower) = branch.limit_between(near, model.law.softest_gap()).unwrap();
+    let (lower, upper) = branch.unstable_gaps().unwrap();
     [(Direction::Approach, upper), (Direction::Retraction, lower)].map(|(direction, u0)| {
         let jump = JumpRecord {
             direction,
@@ -62,8 +57,8 @@ fn the_why_of_a_flat_limit_quotes_eq_8() {
         let mut scene = preset("fig2");
         scene.cell.length = length;
         let model = scene.model().unwrap();
-        let (lower, upper) = flat::limits(&model.law, length).unwrap();
-        let [approach, retraction] = flat_limits(&scene);
+        let (lower, upper) = flat_limits(&model.law, length).unwrap();
+        let [approach, retraction] = flat_explained(&scene);
         for (why, u0, side) in [(&approach, upper, "Below"), (&retraction, lower, "Above")] {
             let Criterion::Flat { law, holder, held } = why.criterion else {
                 panic!("{why:?}")
@@ -90,7 +85,7 @@ fn under_a_layer_a_soft_spring_or_a_load_their_own_stiffness_is_quoted() {
         poisson: 0.5,
     });
     let model = layer.model().unwrap();
-    let [why, _] = flat_limits(&layer);
+    let [why, _] = flat_explained(&layer);
     // An incompressible film gives way where -gamma'' = 6.22 G/t, with G = E*/4.
     let theory = 6.22 * 0.25 / 60.0 * model.grid.length;
     let Criterion::Flat { law, holder, held } = why.criterion else {
@@ -104,7 +99,7 @@ fn under_a_layer_a_soft_spring_or_a_load_their_own_stiffness_is_quoted() {
 
     let mut spring = preset("fig2");
     spring.drive.control = Control::Spring { stiffness: 0.005 };
-    let [why, _] = flat_limits(&spring);
+    let [why, _] = flat_explained(&spring);
     let Criterion::Flat { law, holder, held } = why.criterion else {
         panic!("{why:?}")
     };
@@ -117,7 +112,7 @@ fn under_a_layer_a_soft_spring_or_a_load_their_own_stiffness_is_quoted() {
 
     let mut load = preset("fig2");
     load.drive.control = Control::Load;
-    let [_, why] = flat_limits(&load);
+    let [_, why] = flat_explained(&load);
     let Criterion::Flat { law, holder, held } = why.criterion else {
         panic!("{why:?}")
     };
@@ -274,7 +269,7 @@ fn at_rest(scene: &Scene, u0: f64, direction: Direction) -> LoopRecord {
 fn what_is_ahead_is_told_before_anything_has_snapped() {
     let scene = preset("fig2");
     let model = scene.model().unwrap();
-    let (_, upper) = flat::limits(&model.law, model.grid.length).unwrap();
+    let (_, upper) = flat_limits(&model.law, model.grid.length).unwrap();
     let record = at_rest(&scene, 3.9, Direction::Approach);
     let words = ahead(&scene, &model, &record);
     assert!(
@@ -295,7 +290,7 @@ fn what_is_ahead_is_told_before_anything_has_snapped() {
 #[test]
 fn below_the_critical_length_nothing_snaps_and_the_remedy_is_said() {
     let mut scene = preset("fig2");
-    let critical = flat::critical_length(&scene.model().unwrap().law);
+    let critical = critical_length(&scene.model().unwrap().law);
     let calm_at = |scene: &mut Scene, length: f64| {
         scene.cell.length = length;
         calm(scene, &scene.model().unwrap())

@@ -14,21 +14,20 @@ use std::sync::{Arc, Mutex};
 use tackscope::follow::diagram::Diagram;
 use tackscope::follow::record::{Cause, Direction, JumpRecord, StateRecord};
 use tackscope::physics::pattern::Pattern;
-use tackscope::physics::theory::flat;
-use tackscope::scene::part::Part;
-use tackscope::scene::{Model, Points, Scene};
+use tackscope::physics::theory::flat_stiffness;
+use tackscope::scene::{Model, Part, Points, Scene};
 use tackscope::solver::Stop;
-use tackscope::storage::presets;
+use tackscope::storage;
 use tackscope::study::chart::Effort;
 use tackscope::study::landscape::{Landscape, Standing};
-use tackscope::study::plan::plan;
+use tackscope::study::plan::{ModelChoice, plan};
 use tackscope::study::time_step_map::TimeStepMap;
 use tackscope::ui::view_state::ViewState;
 use tackscope::ui::{App, theme};
 use tackscope::worker::SolverHandle;
 use tackscope::worker::background::{ChartSoFar, Page, PageContent};
 use tackscope::worker::job::{Computation, Reporter, Wake, Work};
-use tackscope::worker::protocol::{Command, Envelope, Event, Frame, ModelChoice, Ready, RunId};
+use tackscope::worker::protocol::{Command, Envelope, Event, Frame, Play, Ready, RunId};
 
 /// What the window said, and what it will hear at its next frame.
 #[derive(Default)]
@@ -76,7 +75,7 @@ pub struct Bench {
 
 /// The scene the window opens with.
 pub fn fig2() -> Scene {
-    presets::resolve("fig2").unwrap()
+    storage::resolve("fig2").unwrap()
 }
 
 /// The same with so many points along each side.
@@ -211,7 +210,10 @@ impl Bench {
     /// Where the solver was told to go since the last call.
     pub fn targets(&self) -> Vec<f64> {
         let target = |command| match command {
-            Command::SetTarget { control, .. } => Some(control),
+            Command::Play {
+                play: Play::ToTarget(control),
+                ..
+            } => Some(control),
             _ => None,
         };
         self.heard().into_iter().filter_map(target).collect()
@@ -275,7 +277,7 @@ impl Bench {
             contact_area: 0.0,
             pattern: Pattern::Flat,
             residual: 0.0,
-            stiffness_min: flat::stiffness_min(&law, self.model.grid.length, u0),
+            stiffness_min: flat_stiffness(&law, self.model.grid.length, u0),
             stiffness_error: 0.0,
             energy: law.at(u0).energy,
             part: Part::Flat,

@@ -7,16 +7,15 @@ use egui::{Key, pos2};
 use egui_kittest::kittest::{NodeT, Queryable};
 use std::sync::Arc;
 use tackscope::follow::record::Direction;
-use tackscope::numerics::cancel::Cancel;
+use tackscope::numerics::threads::Cancel;
 use tackscope::paper::Finding;
 use tackscope::paper::errata::{Erratum, Evidence};
-use tackscope::paper::overlay::ZeroRange;
 use tackscope::paper::{Figure, GALLERY, Size, Task};
+use tackscope::plot::curve::ZeroRange;
 use tackscope::plot::panel::{
     Area, Arrow, Axis, Colour, Content, Inset, Label, Panel, Role, Series, Symbol,
 };
-use tackscope::scene::part::Strategy;
-use tackscope::scene::{Points, Range};
+use tackscope::scene::{Points, Range, Strategy};
 use tackscope::solver::methods::MethodKind;
 use tackscope::study::chart::{Effort, Errors, Judged, Point, Precision, Verdict};
 use tackscope::worker::background::{ChartSoFar, Page, PageContent};

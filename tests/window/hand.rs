@@ -11,7 +11,7 @@ use std::path::PathBuf;
 use std::sync::Arc;
 use std::thread::sleep;
 use std::time::{Duration, Instant};
-use tackscope::numerics::cancel::Cancel;
+use tackscope::numerics::threads::Cancel;
 use tackscope::scene::Scene;
 use tackscope::study::live_loop::{Fineness, LiveLoops};
 use tackscope::ui::view_state::ViewState;

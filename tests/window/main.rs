@@ -24,9 +24,9 @@ use hand::{Hand, place_for};
 use tackscope::follow::ledger::{Ledger, Open};
 use tackscope::scene::Points;
 use tackscope::solver::methods::MethodKind;
-use tackscope::storage::{presets, scene_file};
+use tackscope::storage::{self, scene_file};
 use tackscope::ui::view_state::Hint;
-use tackscope::worker::protocol::{Command, Envelope, Event, Failure, LoopSummary, Sweep};
+use tackscope::worker::protocol::{Command, Envelope, Event, Failure, LoopSummary, Play, Sweep};
 
 #[test]
 fn the_window_opens_at_rest_on_fig2_and_says_what_to_do() {
@@ -200,8 +200,7 @@ fn play_buttons_start_sweeps_and_pause_and_stop_work_while_they_run() {
         bench.heard();
         bench.click(label);
         let heard = bench.heard_of();
-        let asked =
-            |message: &Command| matches!(message, Command::Sweep { sweep, .. } if *sweep == wanted);
+        let asked = |message: &Command| matches!(message, Command::Play { play: Play::Sweep(sweep), .. } if *sweep == wanted);
         assert!(
             matches!(&heard[..], [Envelope { run: 1, message }] if asked(message)),
             "{heard:?}"
@@ -218,7 +217,13 @@ fn play_buttons_start_sweeps_and_pause_and_stop_work_while_they_run() {
         [Command::Pause { paused: false }]
     ));
     bench.click("Stop");
-    assert!(matches!(bench.heard()[..], [Command::Stop { .. }]));
+    assert!(matches!(
+        bench.heard()[..],
+        [Command::Play {
+            play: Play::Rest,
+            ..
+        }]
+    ));
     assert!(!bench.view().run.is_busy());
 }
 
@@ -248,7 +253,11 @@ fn the_rest_that_ends_an_older_motion_does_not_take_the_thumb_from_a_sweep() {
         commands
             .iter()
             .filter_map(|c| {
-                if let Command::Sweep { motion, .. } = c {
+                if let Command::Play {
+                    motion,
+                    play: Play::Sweep(_),
+                } = c
+                {
                     Some(*motion)
                 } else {
                     None
@@ -385,8 +394,8 @@ fn space_plays_and_pauses_period_goes_one_increment_and_r_turns_round() {
     bench.tap(Key::Space);
     assert!(matches!(
         bench.heard()[..],
-        [Command::Sweep {
-            sweep: Sweep::Loop,
+        [Command::Play {
+            play: Play::Sweep(Sweep::Loop),
             ..
         }]
     ));
@@ -401,7 +410,13 @@ fn space_plays_and_pauses_period_goes_one_increment_and_r_turns_round() {
         [Command::Pause { paused: false }]
     ));
     bench.tap(Key::Escape);
-    assert!(matches!(bench.heard()[..], [Command::Stop { .. }]));
+    assert!(matches!(
+        bench.heard()[..],
+        [Command::Play {
+            play: Play::Rest,
+            ..
+        }]
+    ));
     bench.down(3.0);
     bench.say(Event::Rest {
         motion: 2,
@@ -435,7 +450,8 @@ fn number_keys_load_presets() {
     let mut bench = Bench::new();
     bench.heard();
     bench.tap(Key::Num2);
-    let wanted = scene_file::parse(presets::all()[1].text, "second").expect("a preset is allowed");
+    let wanted =
+        scene_file::parse(storage::presets()[1].text, "second").expect("a preset is allowed");
     assert_eq!(
         bench
             .scenes()

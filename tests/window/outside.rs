@@ -14,11 +14,11 @@ use tackscope::physics::indenter::{Hertz, Indenter, Wave};
 use tackscope::plot::style::Colours;
 use tackscope::scene::{Points, Range, Scene, Turn};
 use tackscope::storage::session::{self, Session};
-use tackscope::storage::{self, Opened, files, picture, presets, scene_file};
+use tackscope::storage::{self, Opened, files, picture, scene_file};
 use tackscope::ui::action::ProfileLine;
 use tackscope::ui::view_state::{Extent, Saved, ViewState};
 use tackscope::worker::background::Page;
-use tackscope::worker::protocol::{Command, Speed};
+use tackscope::worker::protocol::{Command, Play, Speed};
 
 /// Opens the dialog for saving and types a path.
 fn save_as(bench: &mut Bench, path: &str) {
@@ -161,12 +161,13 @@ fn a_number_alone_is_a_mean_displacement_if_the_drive_reaches_it() {
     let mut bench = asked("2.5");
     bench.tap(Key::Enter);
     assert_eq!(bench.view().target, 2.5);
-    assert!(
-        bench
-            .heard()
-            .iter()
-            .any(|command| matches!(command, Command::SetTarget { .. }))
-    );
+    assert!(bench.heard().iter().any(|command| matches!(
+        command,
+        Command::Play {
+            play: Play::ToTarget(_),
+            ..
+        }
+    )));
     assert!(!asked("17").names().contains("Go to u₀ = 17"));
 }
 
@@ -211,7 +212,7 @@ impl Bench {
 }
 
 fn hertz() -> Scene {
-    presets::resolve("hertz").unwrap()
+    storage::resolve("hertz").unwrap()
 }
 
 #[test]

@@ -11,7 +11,7 @@ use std::fs;
 use tackscope::physics::body::{Body, Layer};
 use tackscope::physics::control::Control;
 use tackscope::physics::indenter::Indenter;
-use tackscope::scene::part::{Part, Strategy};
+use tackscope::scene::{Part, Strategy};
 use tackscope::worker::protocol::{Command, Event};
 
 #[test]

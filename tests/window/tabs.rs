@@ -10,11 +10,10 @@ use egui::{Rect, Role, vec2};
 use egui_kittest::kittest::{NodeT, Queryable};
 use std::sync::Arc;
 use tackscope::follow::diagram::Diagram;
-use tackscope::numerics::cancel::Cancel;
-use tackscope::physics::theory::flat;
+use tackscope::numerics::threads::Cancel;
+use tackscope::physics::theory::{flat_limits, flat_stiffness};
 use tackscope::plot::style::Colours;
-use tackscope::scene::part::Part;
-use tackscope::scene::{Points, Scene};
+use tackscope::scene::{Part, Points, Scene};
 use tackscope::study::landscape::{Ground, Landscape};
 use tackscope::study::time_step_map::{Progress, Survey};
 
@@ -38,11 +37,11 @@ fn the_tabs_are_reached_and_chosen_by_the_keyboard() {
 fn the_stability_tab_says_the_eigenvalue_and_where_the_next_jump_is() {
     let mut bench = Bench::new();
     tab(&mut bench, "Stability");
-    let (lower, upper) = flat::limits(&bench.model.law, bench.model.grid.length).unwrap();
+    let (lower, upper) = flat_limits(&bench.model.law, bench.model.grid.length).unwrap();
     for u0 in [3.4, 3.38, 3.36] {
         bench.down(u0);
     }
-    let eigenvalue = flat::stiffness_min(&bench.model.law, bench.model.grid.length, 3.36);
+    let eigenvalue = flat_stiffness(&bench.model.law, bench.model.grid.length, 3.36);
     let words =
         format!("now {eigenvalue:.4} E*/L; next jump at u₀ = {upper:.4} ρ going down (exact)");
     assert!(

@@ -12,7 +12,7 @@ use std::sync::Arc;
 use std::time::Duration;
 use tackscope::follow::record::{Cause, Direction};
 use tackscope::physics::pattern::Pattern;
-use tackscope::physics::theory::flat;
+use tackscope::physics::theory::flat_limits;
 use tackscope::scene::Turn;
 use tackscope::ui::action::ProfileLine;
 use tackscope::ui::view_state::Hint;
@@ -33,7 +33,7 @@ fn snapped() -> Window {
 fn before_any_jump_the_tab_says_what_can_happen_in_this_scene() {
     let mut bench = Bench::new();
     bench.down(4.0);
-    let (_, upper) = flat::limits(&bench.model.law, bench.model.grid.length).unwrap();
+    let (_, upper) = flat_limits(&bench.model.law, bench.model.grid.length).unwrap();
     let words = format!("It snaps at u₀ = {upper:.4} ρ on the way down");
     bench.says(&words);
     bench.tap(Key::Num3);
@@ -321,7 +321,7 @@ fn the_equations_have_the_numbers_of_the_scene() {
     let mut bench = Bench::new();
     bench.down(4.0);
     bench.click("Equations tab");
-    let (lower, upper) = flat::limits(&bench.model.law, bench.model.grid.length).unwrap();
+    let (lower, upper) = flat_limits(&bench.model.law, bench.model.grid.length).unwrap();
     // As it is typeset: indices are runs of their own on the line.
     for words in [
         "V/A = ∑q≠0 (q E*/4) |u\u{303}q|2 + ⟨γ(g)⟩",
@@ -505,7 +505,15 @@ fn the_barrier_is_said_beside_the_push_where_the_landscape_knows_it() {
     let from = bench.place("Gap map:").center();
     alt_drag(&mut bench, from, vec2(0.0, 20.0));
     let heard = bench.heard();
-    let pressed = |command: &Command| matches!(command, Command::Press { .. });
+    let pressed = |command: &Command| {
+        matches!(
+            command,
+            Command::Play {
+                play: Play::Pressed(_),
+                ..
+            }
+        )
+    };
     assert!(heard.iter().any(pressed), "{heard:?}");
     let gamma = bench.model.law.surface_energy;
     bench.say(Event::Pressed {

@@ -17,10 +17,10 @@ use std::time::Duration;
 use tackscope::follow::record::Direction;
 use tackscope::physics::pattern::Pattern;
 use tackscope::scene::Range;
-use tackscope::scene::units::fixed;
+use tackscope::scene::parameter::fixed;
 use tackscope::solver::Stop;
 use tackscope::solver::methods::MethodKind;
-use tackscope::storage::{presets, scene_file};
+use tackscope::storage::{self, scene_file};
 use tackscope::ui::view_state::ViewState;
 use tackscope::worker::protocol::Event;
 
@@ -332,7 +332,7 @@ fn a_change_that_has_one_name_on_both_sides_gets_words() {
 #[test]
 fn the_window_opens_before_the_first_jump_and_tells_of_it_only_afterwards() {
     let state = ViewState::at_first_jump(fig2()).expect("allowed");
-    let (_, upper) = tackscope::physics::theory::flat::limits(&state.model.law, 256.0).unwrap();
+    let (_, upper) = tackscope::physics::theory::flat_limits(&state.model.law, 256.0).unwrap();
     let before = (state.target - upper) / state.rho();
     assert!(
         (0.05..0.3).contains(&before),
@@ -438,7 +438,7 @@ fn gesture() -> impl Strategy<Value = Gesture> {
         2 => prop::sample::select(vec![Key::Z, Key::Y, Key::K]).prop_map(G::Command),
         4 => prop::sample::select(names.to_vec()).prop_map(G::Click),
         3 => (place(), place()).prop_map(|(from, to)| G::Drag(from, to)),
-        1 => (0..presets::all().len()).prop_map(G::Preset),
+        1 => (0..storage::presets().len()).prop_map(G::Preset),
         1 => prop::sample::select(words.to_vec()).prop_map(G::Type),
         3 => (1usize..12).prop_map(G::Wait),
     ]
@@ -471,7 +471,7 @@ fn make(window: &mut Window, gesture: &Gesture) {
         }
         Gesture::Preset(index) => {
             key(window, Modifiers::COMMAND, Key::K);
-            let words = format!("preset {}", presets::all()[*index].name);
+            let words = format!("preset {}", storage::presets()[*index].name);
             window.event(Input::Text(words));
             window.step();
             key(window, Modifiers::NONE, Key::Enter);

@@ -1,13 +1,31 @@
 //! Where a surface comes to rest when its branch ends: a release on a quarter cell, to learn which
 //! pattern it is.
+//!
+//! That is not always one place: at the limit of the flat state the first waves along x and along y
+//! go soft together, may come in any mixture, and what the flat state jumps to can depend on it. All
+//! mixtures are tried; the one that most of them lead to is what the loop follows, whatever its
+//! seed, and the others are said.
 
-use crate::follow::contest::{FLAT_KICK, KICK, angle, tried};
-use crate::numerics::vector::{add, norm, scale};
+use crate::follow::record::Share;
+use crate::numerics::dense::{add, norm, scale};
 use crate::physics::control::Control;
 use crate::physics::pattern::{Pattern, classify};
 use crate::physics::system::{Evaluation, State, System};
 use crate::solver::mechanics::{Mechanics, Slides};
 use crate::solver::release::{Release, Slice};
+use std::f64::consts::FRAC_PI_4;
+
+/// How many mixtures are tried: the angle from one wave alone to both alike, in equal parts.
+/// Whatever less than a part leads to is not seen.
+const MIXTURES: usize = 7;
+
+/// Root mean square kick at a limit of the flat state, in ranges. While amplitudes are small nearly
+/// all mixtures turn into the same: of two laws that were contested with a tenth of a range none is
+/// with this.
+pub const FLAT_KICK: f64 = 0.03;
+/// The same at the end of any other branch, along the mode that gives way: far enough from the
+/// saddle next to it.
+pub const KICK: f64 = 0.1;
 
 /// Residual at which a fall ends: next to a saddle forces are small too.
 const TOLERANCE: f64 = 1e-6;
@@ -21,31 +39,19 @@ const SLICE: usize = 500;
 pub struct Rest {
     /// u0 (length).
     pub mean_displacement: f64,
-    /// What it is.
-    pub form: Form,
-}
-
-/// A form in which a surface can rest, by its symmetry.
-#[derive(Clone, Debug)]
-pub enum Form {
-    /// The flat state.
-    Flat,
-    /// A ridge; amplitudes of the quarter cell, waves along x only.
-    Ridge(Vec<f64>),
-    /// A bulge or dimple; amplitudes of the quarter cell, x <-> y symmetric.
-    Square(Pattern, Vec<f64>),
-    /// Anything else.
-    Other,
+    /// What it is: flat, a ridge, a bulge, a dimple, or other for anything else.
+    pub pattern: Pattern,
+    /// Of a ridge, a bulge or a dimple in its normal position the amplitudes of the quarter cell: waves
+    /// along x only, or x <-> y symmetric.
+    pub amplitudes: Vec<f64>,
 }
 
 impl Rest {
-    /// Its pattern.
-    pub fn pattern(&self) -> Pattern {
-        match &self.form {
-            Form::Flat => Pattern::Flat,
-            Form::Ridge(_) => Pattern::Ridge,
-            Form::Square(pattern, _) => *pattern,
-            Form::Other => Pattern::Other,
+    fn without_amplitudes(mean_displacement: f64, pattern: Pattern) -> Self {
+        Self {
+            mean_displacement,
+            pattern,
+            amplitudes: Vec::new(),
         }
     }
 }
@@ -71,16 +77,25 @@ impl Explorer {
     }
 
     /// Where the flat state of gap `u0` comes to rest from each mixture of its soft modes, the
-    /// first waves along x and y.
+    /// first waves along x and y. Where the purest, the evenest and one in between lead to the same,
+    /// so do those between them.
     pub fn off_flat(&mut self, u0: f64) -> Vec<Rest> {
         let flat = self.system().uniform(u0).state;
         let ny = self.system().shape().0;
-        let from = |mixture: usize| {
+        let mut from = |mixture: usize| {
             let mut mode = vec![0.0; flat.amplitudes.len()];
             (mode[1], mode[ny]) = angle(mixture).sin_cos();
             self.kicked(&flat.amplitudes, &mode, FLAT_KICK, flat.control)
         };
-        tried(from, |a, b| a.pattern() == b.pattern())
+        let looked_at = [0, MIXTURES / 2, MIXTURES - 1];
+        let seen = looked_at.map(&mut from);
+        let agree = seen.iter().all(|rest| rest.pattern == seen[1].pattern);
+        let rest = |mixture| match looked_at.iter().position(|known| *known == mixture) {
+            Some(i) => seen[i].clone(),
+            None if agree => seen[1].clone(),
+            None => from(mixture),
+        };
+        (0..MIXTURES).map(rest).collect()
     }
 
     /// Kicks the state `z` along the `mode`, to the side on which the energy is lower, and lets it
@@ -114,10 +129,8 @@ impl Explorer {
             let (system, u0) = (self.system(), release.at.state.mean_displacement);
             match slice {
                 Slice::Moving if system.control().is_apart(system.law(), u0) => {
-                    return Rest {
-                        mean_displacement: Control::stop(system.law()),
-                        form: Form::Flat,
-                    };
+                    let stop = Control::stop(system.law());
+                    return Rest::without_amplitudes(stop, Pattern::Flat);
                 }
                 Slice::Moving => {}
                 Slice::Settled(found) => {
@@ -126,27 +139,21 @@ impl Explorer {
                         mean_displacement,
                         ..
                     } = found.at.state;
-                    return Rest {
-                        mean_displacement,
-                        form: self.recognise(amplitudes, mean_displacement),
-                    };
+                    return self.recognised(amplitudes, mean_displacement);
                 }
                 Slice::Stuck | Slice::Cancelled => {
-                    return Rest {
-                        mean_displacement: u0,
-                        form: Form::Other,
-                    };
+                    return Rest::without_amplitudes(u0, Pattern::Other);
                 }
             }
         }
     }
 
     /// Which symmetry a state has, in its normal position: centre in the corner, ridges along y.
-    fn recognise(&mut self, mut z: Vec<f64>, u0: f64) -> Form {
+    fn recognised(&mut self, mut z: Vec<f64>, u0: f64) -> Rest {
         z[0] = 0.0;
         let size = norm(&z);
         if size < 0.02 * self.system().law().range {
-            return Form::Flat;
+            return Rest::without_amplitudes(u0, Pattern::Flat);
         }
         let n = self.system().shape().0;
         let along_x: f64 = (1..n).map(|k| z[k * n].powi(2)).sum();
@@ -167,20 +174,28 @@ impl Explorer {
         let mut line = vec![0.0; z.len()];
         (0..n).for_each(|k| line[k * n] = z[k * n]);
         if (size * size - norm(&line).powi(2)).max(0.0).sqrt() < TRACE * size {
-            return Form::Ridge(line);
+            return Rest {
+                mean_displacement: u0,
+                pattern: Pattern::Ridge,
+                amplitudes: line,
+            };
         }
         let mut other = z.clone();
         transpose(&mut other, n);
         let mut odd = z.clone();
         add(&mut odd, -1.0, &other);
         if norm(&odd) > 2.0 * TRACE * size {
-            return Form::Other;
+            return Rest::without_amplitudes(u0, Pattern::Other);
         }
         add(&mut z, 1.0, &other);
         scale(&mut z, 0.5);
         match pattern_of(&mut self.mechanics, &z, u0) {
-            pattern @ (Pattern::Bulge | Pattern::Dimple) => Form::Square(pattern, z),
-            _ => Form::Other,
+            pattern @ (Pattern::Bulge | Pattern::Dimple) => Rest {
+                mean_displacement: u0,
+                pattern,
+                amplitudes: z,
+            },
+            _ => Rest::without_amplitudes(u0, Pattern::Other),
         }
     }
 }
@@ -197,5 +212,71 @@ fn transpose(z: &mut [f64], n: usize) {
         for l in 0..k {
             z.swap(k * n + l, l * n + k);
         }
+    }
+}
+
+/// The angle of a mixture: amplitudes cos and sin of it. x and y may be exchanged, so that an
+/// eighth of a turn is all.
+fn angle(mixture: usize) -> f64 {
+    FRAC_PI_4 * (mixture as f64 + 0.5) / MIXTURES as f64
+}
+
+/// Which mixture amplitudes `x` and `y` belong to.
+pub fn mixture(x: f64, y: f64) -> usize {
+    let (x, y) = (x.abs(), y.abs());
+    let part = x.min(y).atan2(x.max(y)) / FRAC_PI_4 * MIXTURES as f64;
+    (part as usize).min(MIXTURES - 1)
+}
+
+/// The shares of what each mixture leads to, the largest first; of equal ones that of the purer
+/// wave.
+pub fn shares(landings: &[Pattern]) -> Vec<Share> {
+    let mut shares: Vec<Share> = Vec::new();
+    for &pattern in landings {
+        let one = 1.0 / landings.len() as f64;
+        match shares.iter_mut().find(|share| share.pattern == pattern) {
+            Some(known) => known.share += one,
+            None => shares.push(Share {
+                pattern,
+                share: one,
+            }),
+        }
+    }
+    shares.sort_by(|a, b| b.share.total_cmp(&a.share));
+    shares
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_angle_belongs_to_its_mixture_and_so_do_its_mirror_images() {
+        for i in 0..MIXTURES {
+            let (y, x) = angle(i).sin_cos();
+            for (a, b) in [(x, y), (y, x), (-x, y), (x, -y)] {
+                assert_eq!(mixture(3.0 * a, 3.0 * b), i);
+            }
+        }
+        assert_eq!([mixture(1.0, 0.0), mixture(1.0, 1.0)], [0, MIXTURES - 1]);
+    }
+
+    #[test]
+    fn shares_add_up_and_the_largest_is_first() {
+        use Pattern::{Bulge, Ridge};
+        let found = shares(&[Ridge, Bulge, Bulge, Bulge]);
+        assert_eq!(
+            found,
+            [
+                Share {
+                    pattern: Bulge,
+                    share: 0.75
+                },
+                Share {
+                    pattern: Ridge,
+                    share: 0.25
+                }
+            ]
+        );
     }
 }

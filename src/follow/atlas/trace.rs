@@ -1,14 +1,15 @@
-//! One branch followed to its end with long tangent steps; the end located directly.
+//! One branch followed to its ends with long tangent steps, which are located directly; and the same
+//! branch for a law or a cell a little different, found again from its ends and nodes.
 
-use super::curve::{End, Support, between, guess};
+use super::read_off::{Branch, End, Support, between, guess};
 use crate::follow::record::LOCATED;
-use crate::numerics::vector::{add, norm};
+use crate::numerics::dense::{add, norm};
 use crate::physics::control::Control;
-use crate::physics::system::Fields;
-use crate::physics::theory::{boundary, flat};
-use crate::solver::Lost;
-use crate::solver::branch::distance;
+use crate::physics::system::{Fields, carried};
+use crate::physics::theory::{boundary, critical_length};
+use crate::solver::method::{Lost, distance};
 use crate::solver::sector::{NODE, Node, SHARP, Sector, Side};
+use std::collections::BTreeSet;
 
 /// First step (ranges), and the longest: shorter than any branch of the paper's, so that none is
 /// jumped over.
@@ -82,7 +83,7 @@ fn trace(
 ) -> Result<(Vec<Node>, End), Lost> {
     let range = sector.system().law().range;
     let sign = side.sign();
-    let periods = sector.system().grid().length / flat::critical_length(sector.system().law());
+    let periods = sector.system().grid().length / critical_length(sector.system().law());
     let aim = AIM * (periods / 3.0).clamp(1.0, 3.0);
     let mut nodes: Vec<Node> = Vec::new();
     let mut step = FIRST * range;
@@ -94,7 +95,7 @@ fn trace(
             1 => (Some(first), nodes[0].clone()),
             n => (Some(&nodes[n - 2]), nodes[n - 1].clone()),
         };
-        let fold = before.map_or(f64::INFINITY, |b| zero_of_square(b, &here));
+        let fold = before.map_or(f64::INFINITY, |b| zero(b, &here, |node| node.own.powi(2)));
         if let Some(before) = before
             && fold < NEAR_FOLD * range
             && wall.is_infinite()
@@ -103,10 +104,10 @@ fn trace(
                 if end.breaking < SOFT * sector.system().grid().q1() {
                     sector.sharpen(&mut end, &fields);
                 }
-                let ahead = sign * (end.state.mean_displacement - here.state.mean_displacement);
+                let ahead = sign * (end.u0() - here.u0());
                 if ahead > -1e-9 * range && ahead < 4.0 * NEAR_FOLD * range {
                     // Under a stiff spring the two are one.
-                    let u0 = end.state.mean_displacement;
+                    let u0 = end.u0();
                     let apart = || (turning_point(control, &here, &end) - u0).abs();
                     if control.frees_mean() && apart() > 2.0 * LOCATED * range {
                         return returns(sector, control, (first, nodes), (&here, &end));
@@ -125,7 +126,7 @@ fn trace(
             }
             step = step.min(0.5 * wall.min(fold));
         }
-        let breaking = before.map_or(f64::INFINITY, |b| zero(b, &here));
+        let breaking = before.map_or(f64::INFINITY, |b| zero(b, &here, |node| node.breaking));
         // Past the expected zero, so that it is enclosed; in this symmetry the branch simply goes
         // on there.
         let h = step
@@ -135,7 +136,7 @@ fn trace(
         if !(h > SHORTEST * range) {
             return Err(Lost::Gone);
         }
-        let u0 = here.state.mean_displacement + sign * h;
+        let u0 = here.u0() + sign * h;
         let guess = predict(before, &here, u0);
         let predicted = distance(&guess, &here.state.amplitudes);
         let node = sector.node(u0, guess.clone(), Some(&here), NODE);
@@ -174,29 +175,18 @@ fn trace(
 fn predict(before: Option<&Node>, here: &Node, u0: f64) -> Vec<f64> {
     let Some(before) = before else {
         let mut z = here.state.amplitudes.clone();
-        add(&mut z, u0 - here.state.mean_displacement, &here.tangent);
+        add(&mut z, u0 - here.u0(), &here.tangent);
         return z;
     };
     between(before, here, u0)
 }
 
-/// Distance beyond `here` at which `own`, whose square falls linearly before a fold, would vanish.
-fn zero_of_square(before: &Node, here: &Node) -> f64 {
-    let fall = (before.own.powi(2) - here.own.powi(2))
-        / (here.state.mean_displacement - before.state.mean_displacement).abs();
+/// Distance beyond `here` at which a `value` that falls linearly would vanish: `breaking` does, and
+/// before a fold the square of `own`.
+fn zero(before: &Node, here: &Node, value: fn(&Node) -> f64) -> f64 {
+    let fall = (value(before) - value(here)) / (here.u0() - before.u0()).abs();
     if fall > 0.0 {
-        here.own.powi(2) / fall
-    } else {
-        f64::INFINITY
-    }
-}
-
-/// Distance beyond `here` at which `breaking`, which falls linearly, would vanish.
-fn zero(before: &Node, here: &Node) -> f64 {
-    let fall = (before.breaking - here.breaking)
-        / (here.state.mean_displacement - before.state.mean_displacement).abs();
-    if fall > 0.0 {
-        (here.breaking / fall).max(0.0)
+        (value(here) / fall).max(0.0)
     } else {
         f64::INFINITY
     }
@@ -205,7 +195,7 @@ fn zero(before: &Node, here: &Node) -> f64 {
 /// Along a branch dV = stress du0, by the trapezoid with its end correction: a step across a jump
 /// pays with energy.
 fn audit(from: &Node, to: &Node, range: f64, sector: &Sector) -> bool {
-    let h = to.state.mean_displacement - from.state.mean_displacement;
+    let h = to.u0() - from.u0();
     let work =
         0.5 * h * (from.state.stress + to.state.stress) - h * h / 12.0 * (to.slope - from.slope);
     let missing = (to.state.energy - from.state.energy - work).abs();
@@ -282,7 +272,7 @@ fn turn(
         let (mut node, fields) = sector.node(u0, guess(&a, &b, u0), None, SHARP)?;
         if (u0 - last).abs() < near {
             sector.sharpen(&mut node, &fields);
-            node.bend = (node.slope - a.slope) / (u0 - a.state.mean_displacement);
+            node.bend = (node.slope - a.slope) / (u0 - a.u0());
             return Ok((node, fields));
         }
         last = u0;
@@ -320,11 +310,7 @@ fn cross(
         last.breaking += offset;
         if last.breaking.abs() < 0.5 * offset.abs() {
             // Too near to call by the correction.
-            last = sector.sharp_node(
-                last.state.mean_displacement,
-                last.state.amplitudes.clone(),
-                Some(&last),
-            )?;
+            last = sector.sharp_node(last.u0(), last.state.amplitudes.clone(), Some(&last))?;
         }
         if last.breaking > 0.0 {
             break last;
@@ -334,11 +320,11 @@ fn cross(
         nodes.pop().ok_or(Lost::Gone)?;
     };
     // (breaking, u0) of the enclosing nodes, and of all since.
-    let known = |node: &Node| (node.breaking, node.state.mean_displacement);
+    let known = |node: &Node| (node.breaking, node.u0());
     let mut met = vec![known(&b), known(&a)];
     for round in 0..CROSSINGS {
         let zero = vanishing(&met);
-        let [low, high] = [&a, &b].map(|node| node.state.mean_displacement);
+        let [low, high] = [&a, &b].map(Node::u0);
         let enclosed = (zero - low) * (zero - high) < 0.0;
         // Where the eigenvalue falls off steeply towards one end, interpolation may creep.
         let u0 = if enclosed && round % 4 != 3 {
@@ -383,7 +369,7 @@ fn vanishing(met: &[(f64, f64)]) -> f64 {
 ///
 /// # Errors
 /// It was not found.
-pub fn returned(sector: &mut Sector, control: Control, near: &Node) -> Result<Node, Lost> {
+fn returned(sector: &mut Sector, control: Control, near: &Node) -> Result<Node, Lost> {
     let softened = |node: &Node| node.slope + control.stiffness();
     let (mut node, _, rate) = zero_along(sector, near, TURN, softened)?;
     node.bend = rate;
@@ -394,7 +380,7 @@ pub fn returned(sector: &mut Sector, control: Control, near: &Node) -> Result<No
 ///
 /// # Errors
 /// It was not found.
-pub fn recross(sector: &mut Sector, near: &Node) -> Result<Node, Lost> {
+fn recross(sector: &mut Sector, near: &Node) -> Result<Node, Lost> {
     let (node, correction, rate) = zero_along(sector, near, LOCATED, |node| node.breaking)?;
     Ok(moved(node, correction, rate))
 }
@@ -408,11 +394,11 @@ fn zero_along(
     value: impl Fn(&Node) -> f64,
 ) -> Result<(Node, f64, f64), Lost> {
     let range = sector.system().law().range;
-    let (mut u0, mut z) = (near.state.mean_displacement, near.state.amplitudes.clone());
+    let (mut u0, mut z) = (near.u0(), near.state.amplitudes.clone());
     let mut met: Vec<(f64, f64)> = Vec::new();
     for _ in 0..CROSSINGS {
         let node = sector.sharp_node(u0, z, None)?;
-        let (here, found) = (node.state.mean_displacement, value(&node));
+        let (here, found) = (node.u0(), value(&node));
         let before = met.last().copied();
         met.push((found, here));
         let (correction, rate) = match before {
@@ -440,4 +426,83 @@ fn moved(mut node: Node, du: f64, rate: f64) -> Node {
     add(&mut node.state.amplitudes, du, &node.tangent);
     node.bend = rate;
     node
+}
+
+/// The branch `old` found again; of its inner nodes the first, and those next to the u0 of
+/// `landings`, whose energies count.
+pub fn adapt(
+    old: &Branch,
+    landings: &[f64],
+    control: Control,
+    from: &Sector,
+    to: &mut Sector,
+) -> Result<Branch, Lost> {
+    let last = old.nodes.len() - 1;
+    let mut end = |side: Side| {
+        let node = carried_over(old.end(side), from, to);
+        match old.ends[side.index()] {
+            End::Fold if node.slope.is_finite() => returned(to, control, &node),
+            End::Fold => to.refold(&node, side).map(|(end, _)| end),
+            End::Breaking => recross(to, &node),
+        }
+    };
+    let (low, high) = (end(Side::Lower)?, end(Side::Upper)?);
+    // Symmetry must not break before a fold.
+    let holds =
+        |node: &Node, side: Side| old.ends[side.index()] == End::Breaking || node.breaking >= 0.0;
+    if !holds(&low, Side::Lower) || !holds(&high, Side::Upper) {
+        return Err(Lost::Gone);
+    }
+    let (a, b) = old.extent();
+    let [change_low, change_high] =
+        [(&low, Side::Lower), (&high, Side::Upper)].map(|(new, side)| {
+            let mut change = new.state.amplitudes.clone();
+            let before = &old.end(side).state.amplitudes;
+            add(
+                &mut change,
+                -1.0,
+                &carried(before, from.system(), to.system()),
+            );
+            change
+        });
+    let mut nodes = vec![low];
+    let (from_u, width) = (nodes[0].u0(), high.u0() - nodes[0].u0());
+    let nearest = |u0: &f64| {
+        let off = |i: usize| (old.nodes[i].u0() - u0).abs();
+        (1..last).min_by(|&i, &j| off(i).total_cmp(&off(j)))
+    };
+    let first = (1..last).take(1);
+    let chosen: BTreeSet<usize> = first.chain(landings.iter().filter_map(nearest)).collect();
+    for k in chosen {
+        let share = (old.nodes[k].u0() - a) / (b - a);
+        let mut z = carried(&old.nodes[k].state.amplitudes, from.system(), to.system());
+        // What changed at the ends changed a part of that in between.
+        add(&mut z, 1.0 - share, &change_low);
+        add(&mut z, share, &change_high);
+        let (node, _) = to.node(from_u + share * width, z, None, NODE)?;
+        nodes.push(node);
+    }
+    nodes.push(high);
+    let stable = nodes[1..nodes.len() - 1]
+        .iter()
+        .all(|n| n.own > 0.0 && n.breaking > 0.0 && !control.softens([1.0, n.slope]));
+    let ordered = nodes.windows(2).all(|w| w[0].u0() < w[1].u0());
+    if !stable || !ordered {
+        return Err(Lost::Gone);
+    }
+    Ok(Branch {
+        pattern: old.pattern,
+        is_ridge: old.is_ridge,
+        nodes,
+        ends: old.ends,
+    })
+}
+
+/// A node as a first guess on another mesh. Displacements hardly scale with the range: what
+/// elasticity and surface energy balance has a length of its own, sqrt(gamma L/E*).
+fn carried_over(node: &Node, from: &Sector, to: &Sector) -> Node {
+    let mut guess = node.clone();
+    guess.state.amplitudes = carried(&node.state.amplitudes, from.system(), to.system());
+    guess.tangent = carried(&node.tangent, from.system(), to.system());
+    guess
 }

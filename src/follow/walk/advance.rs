@@ -1,26 +1,22 @@
-//! One increment along a branch, and the bracketing of where the branch ends.
+//! One increment along a branch of patterns, and the bracketing of where the branch ends.
+//!
+//! A mesh that traps the edge of a contact lets go of single points every few steps. To bracket each
+//! of these jumps as closely as a collective one, and to release it by dynamics, would cost more than
+//! the way between them. There a step that Newton's method refuses is gone downhill from where the
+//! branch was heading, which always ends somewhere. The energy tells whether something let go on the
+//! way; then the step is halved until it is short enough to say where.
 
+use super::landing::Leaving;
 use super::{Barrier, Before, Bracket, Observed, Phase, Progress, Stuck, Walk};
-use crate::follow::atlas::{Explorer, Rest};
-use crate::follow::contest::{mixture, shares};
-use crate::follow::flat_branch::FlatBranch;
-use crate::follow::record::{Cause, Direction, JumpRecord, LOCATED};
-use crate::numerics::vector::norm;
+use crate::follow::record::{Cause, Direction, LOCATED};
 use crate::physics::control::Control;
-use crate::physics::indenter::Indenter;
-use crate::physics::pattern::Pattern;
-use crate::physics::system::System;
-use crate::physics::theory::flat;
-use crate::scene::part::no_quarter;
-use crate::solver::Lost;
-use crate::solver::Stop;
-use crate::solver::branch::History;
-use crate::solver::equilibrium::Equilibrium;
-use crate::solver::method::audit;
-use crate::solver::stability::random_smooth;
-use ndarray::Axis;
+use crate::physics::mesh;
+use crate::physics::pattern::{contact_set, moves_by_a_spacing};
+use crate::physics::theory::flat_limits;
+use crate::solver::method::{Equilibrium, History, Lost, Stop, audit, predicted};
+use crate::solver::newton::{NewtonLimits, descend};
 
-/// The same over the least residual: closer to its end the softest mode is undecided, and a dimple
+/// [`LOCATED`] over the least residual: closer to its end the softest mode is undecided, and a dimple
 /// that breaks up may read as a ridge.
 const DECIDED: f64 = 100.0;
 
@@ -29,14 +25,6 @@ const DECIDED: f64 = 100.0;
 /// step across that goes unseen.
 const LONGEST_FLAT: f64 = 0.5;
 const LONGEST_UNEVEN: f64 = 0.1;
-/// How far beyond the end of the flat branch under a spring or a load, in units of the control, the
-/// release begins: as far as the end is uncertain.
-const BEYOND: f64 = 1e-9;
-/// Towards the end of the flat branch under a spring a small step of the stage is a long one of u0,
-/// and the work done is the integral over the states: where u0 goes so many times faster, it goes
-/// no farther than so many ranges.
-const SWIFT: f64 = 1.5;
-const FLAT_STEP: f64 = 0.02;
 /// The first step, in ranges, on a branch just landed on: there is no prediction yet from which
 /// another branch would stray.
 pub(super) const FIRST: f64 = 0.05;
@@ -49,6 +37,14 @@ const AT_END: f64 = 1e-3;
 /// Energy, in gamma, that a thermostat may add between two states. A method that gains more ran
 /// into the wall of the law.
 const GAIN_MAX: f64 = 1e-2;
+
+/// Newton steps of a descent, and the longest of them (root mean square, ranges): a few points
+/// settle so. What needs more is a collective jump.
+const DESCENT: usize = 40;
+const LONGEST: f64 = 0.02;
+/// Energy, in gamma, above which a step released some. On 512 x 512 points at mu_rho = 1 what is
+/// below adds up to 5e-4 of the loss of JKR, a thousandth of the loop's own.
+const RELEASED: f64 = 1e-7;
 
 impl Walk {
     /// The next value of the control on the way: the points start - k x step, the target, or half
@@ -82,43 +78,32 @@ impl Walk {
         if uniform || !self.method.locates() {
             return f64::INFINITY;
         }
-        let law = self.mechanics.system.law();
-        let Some((_, upper)) = flat::limits(law, self.model.equivalent_length) else {
+        let law = self.system().law();
+        let Some((_, upper)) = flat_limits(law, self.model.equivalent_length) else {
             return f64::INFINITY;
         };
-        let free = self
-            .here
-            .fields
-            .gap
-            .fold(f64::INFINITY, |least, g| least.min(*g))
-            - upper
-            - law.range;
+        let gap = &self.here.fields.gap;
+        let nearest = gap.fold(f64::INFINITY, |least, g| least.min(*g));
         let free = if self.control() == Control::Load {
             0.0
         } else {
-            free.max(0.0)
+            (nearest - upper - law.range).max(0.0)
         };
-        free + self.unit()
-            * if self.mechanics.system.is_flat() {
-                LONGEST_FLAT
-            } else {
-                LONGEST_UNEVEN
-            }
+        let longest = if self.system().is_flat() {
+            LONGEST_FLAT
+        } else {
+            LONGEST_UNEVEN
+        };
+        free + self.unit() * longest
     }
 
     /// Where the branch is expected to end, seen from its last two states: at a fold the eigenvalue
     /// vanishes as a square root.
     fn expected_fold(&self) -> Option<f64> {
-        let (
-            Before {
-                at,
-                stiffness: before,
-                ..
-            },
-            here,
-        ) = (self.behind.before?, self.here.state.control);
-        let now = self.here.stiffness_min?.value;
-        (now < before).then(|| here + (here - at) * now * now / (before * before - now * now))
+        let Before { at, stiffness, .. } = self.behind.before?;
+        let (here, now) = (self.here.state.control, self.here.stiffness_min?.value);
+        let fallen = stiffness * stiffness - now * now;
+        (now < stiffness).then(|| here + (here - at) * now * now / fallen)
     }
 
     /// Where on the way from here to a barrier the eigenvalue is expected to vanish, 0 to 1.
@@ -133,7 +118,7 @@ impl Walk {
 
     /// Width of a bracket that is narrow enough (in the control's unit).
     pub(super) fn located_within(&self) -> f64 {
-        LOCATED.max(DECIDED * self.mechanics.system.precision().floor()) * self.unit()
+        LOCATED.max(DECIDED * self.system().precision().floor()) * self.unit()
     }
 
     /// The end of the branch in the bracket up to `barrier`, which is as narrow as it gets.
@@ -170,131 +155,6 @@ impl Walk {
         }
     }
 
-    pub(super) fn step_flat(
-        &mut self,
-        flat: FlatBranch,
-        observe: &mut dyn FnMut(Observed),
-    ) -> Progress {
-        let next = self.next();
-        let gap = self.here.state.mean_displacement;
-        let (there, unstable) = match flat.at_control(gap, next) {
-            Ok(there) => (there, None),
-            Err((stable, unstable)) => (stable, Some(unstable)),
-        };
-        let reached = self.swift_step(gap, there, next);
-        let Some(unstable) = unstable.filter(|_| reached == there) else {
-            self.here = flat.state(&self.mechanics.system, reached);
-            if reached == there {
-                // To the last bit, so that it is known to be there.
-                self.here.state.control = next;
-            }
-            self.accept(observe);
-            return Progress::Working;
-        };
-        if there != gap {
-            self.here = flat.state(&self.mechanics.system, there);
-            self.accept(observe);
-        }
-        let at = self.mechanics.system.uniform(unstable).state.control;
-        if flat.gives_way_as_a_block() {
-            let mut block = vec![0.0; self.mechanics.system.dimension()];
-            block[0] = 1.0;
-            // The control is largest, or least, at the end: beyond it there is no such state.
-            let beyond = BEYOND * self.unit();
-            let barrier = Barrier {
-                at: match self.direction {
-                    Direction::Approach => at - beyond,
-                    Direction::Retraction => at + beyond,
-                },
-                stiffness: None,
-                soft_mode: block,
-            };
-            return self.release_because(Cause::Fold, barrier, Vec::new());
-        }
-        let landings = self.landings_from_flat(unstable);
-        if self.cancelled() {
-            return Progress::Cancelled;
-        }
-        let shares = shares(&landings);
-        let soft = self.soft_wave_to(&landings, shares.first().map(|most| most.pattern));
-        let barrier = Barrier {
-            at,
-            stiffness: None,
-            soft_mode: soft,
-        };
-        let contested = if shares.len() > 1 { shares } else { Vec::new() };
-        self.release_because(Cause::FlatLimit, barrier, contested)
-    }
-
-    /// How far the flat state goes at once on the way from a `gap` to another while the control
-    /// goes to `next`.
-    fn swift_step(&self, gap: f64, there: f64, next: f64) -> f64 {
-        let (way, longest) = (there - gap, FLAT_STEP * self.model.law.range);
-        let asked = (next - self.here.state.control).abs();
-        let is_swift = match self.control() {
-            Control::Displacement => false,
-            Control::Spring { .. } => way.abs() > SWIFT * asked,
-            Control::Load => true,
-        };
-        if is_swift && way.abs() > longest {
-            gap + longest.copysign(way)
-        } else {
-            there
-        }
-    }
-
-    /// Where each mixture of the soft waves leads from the flat state at `u0`, looked at on the
-    /// even quarter; empty where there is but one wave, or no such cell, or where they are not the
-    /// first waves along x and y.
-    fn landings_from_flat(&mut self, u0: f64) -> Vec<Pattern> {
-        let grid = *self.mechanics.system.grid();
-        let first = self.model.body.is_softest_at_its_longest(&grid);
-        if grid.is_line() || no_quarter(grid.nx).is_some() || !first {
-            return Vec::new();
-        }
-        let law = *self.mechanics.system.law();
-        let mut explorer = Explorer::new(
-            System::even(grid, law, &Indenter::Flat)
-                .with_body(self.model.body)
-                .with_control(self.control()),
-        );
-        explorer.mechanics.cancel = self.mechanics.cancel.clone();
-        let landings = explorer.off_flat(u0).iter().map(Rest::pattern).collect();
-        self.spent.looked += explorer.mechanics.transforms();
-        landings
-    }
-
-    /// A random mixture of the first waves that leads to `pattern`.
-    fn soft_wave_to(&mut self, landings: &[Pattern], pattern: Option<Pattern>) -> Vec<f64> {
-        loop {
-            let wave = self.random_soft_wave();
-            let field = self.mechanics.field(&wave);
-            let along = |axis: usize| {
-                let profile = field.mean_axis(Axis(axis)).expect("a mesh has points");
-                profile.iter().map(|v| v * v).sum::<f64>().sqrt()
-            };
-            // As if drawn from all that lead there.
-            if landings.get(mixture(along(0), along(1))).copied() == pattern {
-                return wave;
-            }
-        }
-    }
-
-    /// All waves of one length go soft together, the first of a half-space's cell; the seed mixes
-    /// them.
-    pub(super) fn random_soft_wave(&mut self) -> Vec<f64> {
-        let softest = self.mechanics.system.stiffness_unit();
-        let mut z = random_smooth(&self.mechanics.system, &mut self.rng);
-        for (z, e) in z.iter_mut().zip(self.mechanics.system.elastic()) {
-            if 2.0 * e > 1.1 * softest {
-                *z = 0.0;
-            }
-        }
-        let length = norm(&z);
-        z.iter_mut().for_each(|z| *z /= length);
-        z
-    }
-
     pub(super) fn step_patterned(&mut self, observe: &mut dyn FnMut(Observed)) -> Progress {
         let located = self.located_within();
         let here = self.here.state.control;
@@ -321,11 +181,7 @@ impl Walk {
             None => self.next(),
         };
         let locates = self.method.locates();
-        let mut barrier = Barrier {
-            at: next,
-            stiffness: None,
-            soft_mode: Vec::new(),
-        };
+        let mut barrier = Barrier::blind(next, Vec::new());
         match self
             .method
             .follow(&mut self.mechanics, &self.behind.history, &self.here, next)
@@ -354,7 +210,12 @@ impl Walk {
                 if at_end {
                     (barrier.stiffness, barrier.soft_mode) = (Some(0.0), state.soft_mode);
                 } else if state.stop != Stop::Unstable || !locates {
-                    let faded = locates && reached.is_none() && self.faded(&state);
+                    // Where a pattern is gone it may have come to its end on the way; where it only
+                    // faded, a bracket says so.
+                    let faded = locates
+                        && reached.is_none()
+                        && self.is_as_good_as_flat(&state)
+                        && !self.is_as_good_as_flat(&self.here);
                     if !faded {
                         return self.take(state, observe);
                     }
@@ -397,14 +258,6 @@ impl Walk {
         let expected =
             now.value + (now.value - before.stiffness) / (here - before.at) * (there - here);
         expected < 0.0 && next.stop == Stop::Stable && (there - here).abs() > PASSED * self.unit()
-    }
-
-    /// True if a pattern is gone in `next`: it may have come to its end on the way. Where it only
-    /// faded, a bracket says so.
-    fn faded(&self, next: &Equilibrium) -> bool {
-        self.flat.is_some_and(|flat| {
-            self.is_as_good_as_flat(flat, next) && !self.is_as_good_as_flat(flat, &self.here)
-        })
     }
 
     /// After a step that went well: a barrier behind which nothing is expected was only too long a
@@ -458,13 +311,9 @@ impl Walk {
 
     /// Stands on a new state of the same branch; a method that locates nothing may have jumped on
     /// the way.
-    pub(super) fn take(
-        &mut self,
-        state: Equilibrium,
-        observe: &mut dyn FnMut(Observed),
-    ) -> Progress {
-        let (before, energy, conjugate, stress) = (
-            self.record.clone(),
+    fn take(&mut self, state: Equilibrium, observe: &mut dyn FnMut(Observed)) -> Progress {
+        let (from, energy, conjugate, stress) = (
+            self.record.pattern,
             self.here.state.energy,
             self.conjugate(&self.here.state),
             self.here.state.stress,
@@ -481,7 +330,7 @@ impl Walk {
             });
         }
         // An extrapolation over a jump that nobody noticed would be of neither branch.
-        let smooth = audit(&self.mechanics.system, &self.here.state, &state.state);
+        let smooth = audit(self.system(), &self.here.state, &state.state);
         let (at, stiffness_min) = (self.here.state.control, self.here.stiffness_min);
         self.behind.before = stiffness_min.filter(|_| smooth).map(|s| Before {
             at,
@@ -498,25 +347,89 @@ impl Walk {
         if self.method.locates() {
             self.mechanics.refresh(&self.here.fields);
         }
-        let pattern = self.pattern();
-        if !self.method.locates() && pattern != before.pattern {
-            observe(Observed::Jump(JumpRecord {
-                direction: self.direction,
-                control: self.here.state.control,
-                mean_displacement: self.here.state.mean_displacement,
-                mean_displacement_after: self.here.state.mean_displacement,
-                from: before.pattern,
-                to: pattern,
-                stress_before: stress,
-                stress_after: self.here.state.stress,
-                released_energy: released,
-                release_error: (step * (self.conjugate(&self.here.state) - conjugate)).abs()
-                    / self.model.law.surface_energy,
-                cause: Cause::PatternChange,
-                landings: Vec::new(),
-            }));
+        let to = self.pattern();
+        if !self.method.locates() && to != from {
+            let changed = self.conjugate(&self.here.state) - conjugate;
+            let error = (step * changed).abs() / self.model.law.surface_energy;
+            let before = [self.here.state.mean_displacement, stress];
+            let jump = self.jumped(Cause::PatternChange, before, [from, to], [released, error]);
+            observe(Observed::Jump(jump));
         }
         self.accept(observe);
         Progress::Working
+    }
+
+    /// The step to `next` downhill. `None` if it is not for this walk, or is more than the jump of
+    /// a few points: then the end of the branch is to be bracketed.
+    fn fall(&mut self, next: f64, observe: &mut dyn FnMut(Observed)) -> Option<Progress> {
+        let within = self.options.trapped_within?;
+        let (law, step) = (self.model.law, next - self.here.state.control);
+        let limits = NewtonLimits {
+            steps: DESCENT,
+            ..NewtonLimits::of(self.system())
+        };
+        let heading = predicted(&mut self.mechanics, &self.behind.history, &self.here, next);
+        let settled = descend(
+            &mut self.mechanics,
+            heading,
+            next,
+            LONGEST * law.range,
+            limits,
+        );
+        if let Err(lost) = settled.end {
+            return (lost == Lost::Cancelled).then_some(Progress::Cancelled);
+        }
+        // To second order in the step, which is long against what a single point releases.
+        let (conjugate, energy) = self.carried_to(next);
+        let released = (energy - settled.at.state.energy) / law.surface_energy;
+        let jumped = released.abs() > RELEASED;
+        if jumped && step.abs() > within * self.unit() {
+            self.behind.short = Some(0.5 * step.abs());
+            return Some(Progress::Working);
+        }
+        if jumped {
+            self.forget_modes();
+        }
+        let state = match self.assessed(settled) {
+            Ok(state) => state,
+            Err(progress) => return Some(progress),
+        };
+        if state.stop == Stop::Unstable || released < -RELEASED {
+            return None;
+        }
+        self.spent.counts.iterations += state.cost.iterations;
+        if !jumped {
+            return Some(self.take(state, observe));
+        }
+        self.arrive(
+            state,
+            Leaving {
+                conjugate,
+                released,
+                cause: Cause::Fold,
+                landings: Vec::new(),
+            },
+            RELEASED,
+            observe,
+        );
+        Some(Progress::Working)
+    }
+
+    /// True if a coarse mesh is why the surface jumped from `left` to the present state: on no mesh
+    /// does the edge of the contact move by more than a spacing in such a jump, so that it vanishes
+    /// with refinement. Meshes on which the shortest wave that a smooth law makes unstable is many
+    /// spacings long have no such jumps.
+    pub(super) fn is_of_the_mesh(&mut self, left: &Equilibrium) -> bool {
+        let law = self.model.law;
+        if law.is_smooth() && mesh::is_safe(self.model.mu_rho) {
+            return false;
+        }
+        let contact = |of: &Equilibrium| {
+            contact_set(
+                self.system().unfolded(&of.fields.gap).view(),
+                law.contact_gap(),
+            )
+        };
+        moves_by_a_spacing(&contact(left), &contact(&self.here))
     }
 }

@@ -1,20 +1,20 @@
-//! The release at the end of a branch, and the landing on what is stable.
+//! The release at the end of a branch, and the landing on what is stable; and a push by hand, a bump
+//! or a dimple pressed into the surface at a fixed control and let go, with where it leads.
 
 use super::advance::FIRST;
-use super::apart::apart;
-use super::{Barrier, Jumping, Observed, Phase, Progress, Stuck, Walk};
-use crate::follow::contest::{FLAT_KICK, KICK, Share};
-use crate::follow::record::{Cause, JumpRecord};
+use super::flat::apart;
+use super::{Barrier, Behind, Jumping, Observed, Phase, Progress, Stuck, Walk};
+use crate::follow::atlas::{FLAT_KICK, KICK};
+use crate::follow::record::{Cause, JumpRecord, Share};
+use crate::numerics::dense::{add, dot, norm};
 use crate::numerics::krylov::CgLimits;
-use crate::numerics::vector::{add, dot, norm};
 use crate::physics::pattern::Pattern;
 use crate::physics::system::{Evaluation, State};
-use crate::solver::Stop;
-use crate::solver::branch::History;
-use crate::solver::equilibrium::{Cost, Equilibrium};
-use crate::solver::mechanics::Slides;
-use crate::solver::newton::{NewtonEnd, NewtonLimits, NewtonState, centred, solve};
+use crate::solver::mechanics::{Slides, centred};
+use crate::solver::method::{Cost, Equilibrium, History, Stop};
+use crate::solver::newton::{NewtonLimits, NewtonState, solve};
 use crate::solver::release::{Release, Slice};
+use ndarray::Array2;
 use rand::Rng;
 
 /// Largest kick of any single point over the root mean square: a mode of a few points is kicked no
@@ -35,6 +35,24 @@ const UNPUSHED: f64 = 1e-3;
 const SOFT: f64 = 0.05;
 /// How often an unstable landing may be kicked on before the walk gives up.
 const KICKS: usize = 8;
+/// Most energy per area of a push (gamma): beyond it the law's wall alone is felt.
+const MOST: f64 = 10.0;
+/// How much shallower a push becomes that has more, and how often.
+const SHALLOWER: f64 = 0.8;
+const TRIALS: usize = 60;
+/// Largest difference in stress (sigma_max) between two descriptions of one state.
+const SAME: f64 = 1e-4;
+
+/// What is pressed into the surface: a Gaussian, less its mean.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Push {
+    /// Its middle (length), x and y; the first point of the mesh lies at 0.
+    pub at: [f64; 2],
+    /// The distance from there at which it is 1/e as deep (length).
+    pub width: f64,
+    /// How far it presses the surface towards the ground (length); a negative one lifts it.
+    pub depth: f64,
+}
 
 /// How a branch was left.
 pub(super) struct Leaving {
@@ -74,10 +92,8 @@ impl Walk {
             kick,
             !from_flat,
         );
-        let release =
-            Release::new(kicked).with_tolerance(self.mechanics.system.precision().tolerance());
         self.jump_on(Box::new(Jumping {
-            release,
+            release: self.release_from(kicked),
             cause,
             kicks: 1,
             soft_mode,
@@ -85,6 +101,10 @@ impl Walk {
             energy_before,
             landings,
         }))
+    }
+
+    fn release_from(&self, at: Evaluation) -> Release {
+        Release::new(at).with_tolerance(self.system().precision().tolerance())
     }
 
     /// The surface moves.
@@ -213,7 +233,7 @@ impl Walk {
     }
 
     /// Checks the stability of where the release came to rest; lands there, or kicks on.
-    pub(super) fn settle(
+    fn settle(
         &mut self,
         mut jumping: Box<Jumping>,
         settled: NewtonState,
@@ -226,7 +246,7 @@ impl Walk {
         } = settled.at.state;
         let landed = match self.flat {
             Some(flat) if settled.at.state.roughness() < 1e-4 * self.model.law.range => {
-                let mut state = flat.state(&self.mechanics.system, u0);
+                let mut state = flat.state(self.system(), u0);
                 state.state.control = control;
                 if state.stop == Stop::Unstable {
                     state.soft_mode = self.random_soft_wave();
@@ -254,7 +274,7 @@ impl Walk {
             // tells them apart.
             let tolerance = (jumping.release.tolerance() * 0.1)
                 .max(1e-10)
-                .max(self.mechanics.system.precision().floor());
+                .max(self.system().precision().floor());
             jumping.release = Release::new(kicked).with_tolerance(tolerance);
             return self.jump_on(jumping);
         }
@@ -281,7 +301,7 @@ impl Walk {
         if self.mechanics.sliding_basis(z, &at.fields).is_empty() {
             return None;
         }
-        let rounding = self.mechanics.system.precision().rounding() * self.model.law.surface_energy;
+        let rounding = self.system().precision().rounding() * self.model.law.surface_energy;
         let mut lowest: Option<NewtonState> = None;
         let all = [[false, false], [true, false], [false, true], [true, true]];
         for between in if self.mechanics.slides == Slides::Freely {
@@ -289,13 +309,13 @@ impl Walk {
         } else {
             &all
         } {
-            let moved = centred(&self.mechanics.system, z, *between);
-            let limits = NewtonLimits::of(&self.mechanics.system);
+            let moved = centred(self.system(), z, *between);
+            let limits = NewtonLimits::of(self.system());
             let polished = solve(&mut self.mechanics, moved, control, limits);
             let lower = lowest
                 .as_ref()
                 .is_none_or(|lowest| polished.at.state.energy < lowest.at.state.energy - rounding);
-            if polished.end == NewtonEnd::Converged && lower {
+            if polished.end.is_ok() && lower {
                 lowest = Some(polished);
             }
         }
@@ -328,7 +348,7 @@ impl Walk {
         Ok(state)
     }
 
-    pub(super) fn land(
+    fn land(
         &mut self,
         mut jumping: Box<Jumping>,
         landed: Equilibrium,
@@ -355,8 +375,7 @@ impl Walk {
                 jumping.kick,
                 true,
             );
-            jumping.release =
-                Release::new(kicked).with_tolerance(self.mechanics.system.precision().tolerance());
+            jumping.release = self.release_from(kicked);
             return self.jump_on(jumping);
         }
         if released < -EVENT {
@@ -403,20 +422,13 @@ impl Walk {
             .then_some(FIRST * self.model.law.range);
         (self.behind.before, self.behind.short) = (None, first.filter(|first| *first < self.step));
         let (from, to) = (self.record.pattern, self.pattern());
-        let as_good_as_flat = |state: &Equilibrium| {
-            self.flat
-                .is_some_and(|flat| self.is_as_good_as_flat(flat, state))
-        };
-        let from = if as_good_as_flat(&left) {
-            Pattern::Flat
-        } else {
-            from
-        };
-        let to = if as_good_as_flat(&self.here) {
-            Pattern::Flat
-        } else {
-            to
-        };
+        let [from, to] = [(&left, from), (&self.here, to)].map(|(state, pattern)| {
+            if self.is_as_good_as_flat(state) {
+                Pattern::Flat
+            } else {
+                pattern
+            }
+        });
         if released <= event && (from == to || (from != Pattern::Flat && to != Pattern::Flat)) {
             self.remember();
             return self.accept(observe);
@@ -437,23 +449,117 @@ impl Walk {
                 (released, located, cause)
             };
         self.behind.history = History::starting(&self.here.state);
-        let [u0, stress_before] = self.control().place(control, conjugate);
+        let before = self.control().place(control, conjugate);
         // Nothing else happened on the way.
         self.record.mean_displacement = self.here.state.mean_displacement;
         observe(Observed::Jump(JumpRecord {
+            landings,
+            ..self.jumped(cause, before, [from, to], [released_energy, release_error])
+        }));
+        self.accept(observe);
+    }
+
+    /// A jump from this u0, stress and pattern to the present state and this pattern, with its released
+    /// energy and the error of that.
+    pub(super) fn jumped(
+        &self,
+        cause: Cause,
+        [u0, stress]: [f64; 2],
+        [from, to]: [Pattern; 2],
+        [released_energy, release_error]: [f64; 2],
+    ) -> JumpRecord {
+        let here = &self.here.state;
+        JumpRecord {
             direction: self.direction,
-            control,
+            control: here.control,
             mean_displacement: u0,
-            mean_displacement_after: self.here.state.mean_displacement,
+            mean_displacement_after: here.mean_displacement,
             from,
             to,
-            stress_before,
-            stress_after: self.here.state.stress,
+            stress_before: stress,
+            stress_after: here.stress,
             released_energy,
             release_error,
             cause,
-            landings,
+            landings: Vec::new(),
+        }
+    }
+
+    /// The state it stands on with a push pressed into it, less deep where the law does not allow
+    /// it. The control stays, and with it u0 where that is driven.
+    pub fn pressed(&mut self, push: &Push) -> Evaluation {
+        let shape = self.shape(push);
+        let here = self.here.state.clone();
+        let most = MOST * self.model.law.surface_energy;
+        let mut depth = -push.depth;
+        for _ in 0..TRIALS {
+            let mut z = here.amplitudes.clone();
+            add(&mut z, depth, &shape);
+            let at = self.mechanics.uncounted(|m| m.at(z, here.control));
+            // Written so that NaN is not taken for little.
+            if at.state.energy - here.energy <= most {
+                return at;
+            }
+            depth *= SHALLOWER;
+        }
+        let still = here.amplitudes;
+        self.mechanics.uncounted(|m| m.at(still, here.control))
+    }
+
+    /// Amplitudes of a push of depth 1, upwards.
+    fn shape(&mut self, push: &Push) -> Vec<f64> {
+        let grid = *self.system().grid();
+        let (rows, columns) = self.system().shape();
+        let off = |i: usize, k: usize| {
+            let x = i as f64 * grid.spacing() - push.at[k];
+            // The nearest of its periodic copies.
+            x - (x / grid.length).round() * grid.length
+        };
+        let mut bump = Array2::from_shape_fn((rows, columns), |(j, i)| {
+            let y = if rows > 1 { off(j, 1) } else { 0.0 };
+            (-(off(i, 0).powi(2) + y * y) / (push.width * push.width)).exp()
+        });
+        bump -= bump.mean().unwrap_or(0.0);
+        self.mechanics.uncounted(|m| m.amplitudes(&bump))
+    }
+
+    /// Lets the surface go that was pressed so; it moves in the steps that follow.
+    pub fn let_go(&mut self, push: &Push) {
+        let pressed = self.pressed(push);
+        self.target = self.here.state.control;
+        self.phase = Phase::Jumping(Box::new(Jumping {
+            release: self.release_from(pressed),
+            cause: Cause::Push,
+            kicks: 1,
+            soft_mode: Vec::new(),
+            kick: 0.0,
+            energy_before: self.here.state.energy,
+            landings: Vec::new(),
         }));
+    }
+
+    /// Stands on the state to which a push led: the same as before, perhaps elsewhere in the cell,
+    /// or another one, of lower or of higher energy.
+    fn land_pushed(&mut self, landed: Equilibrium, observe: &mut dyn FnMut(Observed)) {
+        let law = self.model.law;
+        let left = std::mem::replace(&mut self.here, landed);
+        self.behind = Behind::starting(&self.here);
+        let (from, to) = (self.record.pattern, self.pattern());
+        let (before, after) = (&left.state, &self.here.state);
+        let released_energy = (before.energy - after.energy) / law.surface_energy;
+        let changed = (before.stress - after.stress).abs() / law.traction_max();
+        if from != to || released_energy.abs() > EVENT || changed > SAME {
+            let before = [before.mean_displacement, before.stress];
+            let released = [released_energy, 0.0];
+            observe(Observed::Jump(self.jumped(
+                Cause::Push,
+                before,
+                [from, to],
+                released,
+            )));
+        }
+        // Nothing else happened on the way.
+        self.record.mean_displacement = self.here.state.mean_displacement;
         self.accept(observe);
     }
 }

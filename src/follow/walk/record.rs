@@ -1,46 +1,171 @@
-//! From a state to its record, and what is no jump: patterns that come and go continuously.
+//! What a step of the walk tells: the record of its state, what is left to do and why it goes no
+//! further, and what it costs.
 
-use super::landing::EVENT;
-use super::{Observed, Walk};
-use crate::follow::flat_branch::FlatBranch;
-use crate::follow::record::{Cause, Direction, JumpRecord, StateRecord};
+use super::Walk;
+use crate::follow::atlas::Unmapped;
+use crate::follow::record::{JumpRecord, StateRecord};
 use crate::physics::pattern::{Pattern, classify, contact_area};
-use crate::physics::theory::flat;
-use crate::scene::part::Part;
-use crate::solver::equilibrium::{Cost, Equilibrium, Stiffness};
-use crate::solver::newton::{NewtonEnd, NewtonLimits, solve};
+use crate::scene::Part;
+use crate::solver::method::{Cost, Stiffness};
 
-/// Released energy, in gamma, from which nobody asks whether a landing on another pattern was a
-/// jump.
-const WEAK: f64 = 1e-2;
-/// How far before a limit, in ranges, a jump is told from a continuous transition: more than limits
-/// are uncertain.
-const APART: f64 = 3e-4;
+/// What one step of the walk brought.
+#[derive(Clone, Debug)]
+pub enum Observed {
+    /// A new state on the path.
+    State(StateRecord),
+    /// The surface is moving at fixed u0; [`Walk::gap`] shows it.
+    Moving {
+        /// Mean stress at this instant (E*).
+        stress: f64,
+    },
+    /// A jump was completed; the state after it follows.
+    Jump(JumpRecord),
+}
+
+/// What is left to do.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Progress {
+    /// More steps are needed.
+    Working,
+    /// At the target.
+    Resting,
+    /// Interrupted by the cancel token; the last state stands.
+    Cancelled,
+    /// Cannot go on; the last state stands.
+    Stuck(Stuck),
+}
+
+/// Why a loop goes no further.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum Stuck {
+    /// On a part of the cell: a mode that the part does not hold.
+    #[error("a mode that is not mirror-symmetric goes soft here: this scene needs the whole cell")]
+    LeavesSymmetry,
+    /// On a part of the cell: a push, which may be pressed in anywhere.
+    #[error("a push has no symmetry: it needs the whole cell")]
+    Pushed,
+    /// The numbers of a method stopped being finite.
+    #[error("NaN: {why} ({method} at u0 = {mean_displacement:.6})")]
+    Diverged {
+        /// Where (length).
+        mean_displacement: f64,
+        /// By which method.
+        method: &'static str,
+        /// What it ran into.
+        why: &'static str,
+    },
+    /// A method that locates nothing came to a state of higher energy than the work done on it.
+    #[error(
+        "energy gained: too hot a thermostat, or a run into the wall of the law ({gained:.1e} gamma, {method} at u0 = {mean_displacement:.6})"
+    )]
+    EnergyGained {
+        /// Where (length).
+        mean_displacement: f64,
+        /// By which method.
+        method: &'static str,
+        /// How much (gamma).
+        gained: f64,
+    },
+    /// The release found no way down.
+    #[error("the release at u0 = {mean_displacement:.6} found no way down")]
+    NoWayDown {
+        /// Where (length).
+        mean_displacement: f64,
+    },
+    /// Every place where a release came to rest was a saddle.
+    #[error("after the jump at u0 = {mean_displacement:.6} every resting place found was unstable")]
+    OnlyUnstable {
+        /// Where (length).
+        mean_displacement: f64,
+    },
+    /// A release ended at a higher energy than it began with.
+    #[error(
+        "the release at u0 = {mean_displacement:.6} would have gained energy ({released:.2e} gamma), which is a failure of the solver"
+    )]
+    NegativeRelease {
+        /// Where (length).
+        mean_displacement: f64,
+        /// What it released (gamma), below zero.
+        released: f64,
+    },
+    /// Stress or energy of a state overflow.
+    #[error("stress or energy are no finite numbers")]
+    NotFinite,
+    /// The atlas does not hold the scene.
+    #[error("{0}")]
+    Unmapped(Unmapped),
+    /// There is no loop from the first state.
+    #[error("{what}; {remedy}")]
+    NoStart {
+        /// What is wrong with it.
+        what: String,
+        /// What may help.
+        remedy: String,
+    },
+}
+
+impl Stuck {
+    /// What happened, in short and without the place.
+    pub fn what(&self) -> String {
+        match self {
+            Stuck::LeavesSymmetry => "a mode that is not mirror-symmetric goes soft".to_owned(),
+            Stuck::Pushed => "a push has no symmetry".to_owned(),
+            Stuck::Diverged { why, .. } => format!("NaN: {why}"),
+            Stuck::EnergyGained { .. } => "energy gained".to_owned(),
+            Stuck::NoWayDown { .. } => "the release found no way down".to_owned(),
+            Stuck::OnlyUnstable { .. } => "every resting place found was unstable".to_owned(),
+            Stuck::NegativeRelease { .. } => "the release would have gained energy".to_owned(),
+            Stuck::NotFinite => self.to_string(),
+            Stuck::Unmapped(unmapped) => unmapped.what.clone(),
+            Stuck::NoStart { what, .. } => what.clone(),
+        }
+    }
+}
+
+impl std::ops::AddAssign for Counts {
+    fn add_assign(&mut self, other: Self) {
+        let Self {
+            transforms,
+            proof_transforms,
+            iterations,
+            patterned_increments,
+        } = other;
+        self.transforms += transforms;
+        self.proof_transforms += proof_transforms;
+        self.iterations += iterations;
+        self.patterned_increments += patterned_increments;
+    }
+}
+
+/// What was spent so far.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Counts {
+    /// Fourier transforms.
+    pub transforms: usize,
+    /// Those of them that prove that no mode is softer than the ones that are followed.
+    pub proof_transforms: usize,
+    /// Iterations of the method.
+    pub iterations: usize,
+    /// Recorded states with a pattern.
+    pub patterned_increments: usize,
+}
 
 impl Walk {
-    pub(super) fn pattern(&mut self) -> Pattern {
-        if self.here.is_uniform() && self.mechanics.system.is_flat() {
+    pub(super) fn pattern(&self) -> Pattern {
+        let (law, is_flat) = (&self.model.law, self.system().is_flat());
+        // What a thermostat roughens is no pattern.
+        let thermal = !self.method.locates() && self.here.state.roughness() < 0.02 * law.range;
+        if is_flat && (self.here.is_uniform() || thermal) {
             return Pattern::Flat;
         }
-        let thermal = if self.method.locates() {
-            0.0
-        } else {
-            0.02 * self.model.law.range
-        };
-        if self.mechanics.system.is_flat() && self.here.state.roughness() < thermal {
-            return Pattern::Flat;
-        }
-        classify(
-            self.mechanics.system.unfolded(&self.here.fields.gap).view(),
-            &self.model.law,
-            self.mechanics.system.is_flat(),
-        )
+        let gap = self.system().unfolded(&self.here.fields.gap);
+        classify(gap.view(), law, is_flat)
     }
 
     /// Writes the record of the present state and hands it out.
     pub(super) fn accept(&mut self, observe: &mut dyn FnMut(Observed)) {
         let law = self.model.law;
-        let uniform = self.here.is_uniform() && self.mechanics.system.is_flat();
+        let uniform = self.here.is_uniform() && self.system().is_flat();
         let pattern = self.pattern();
         if self.method.locates() {
             self.note_transition(pattern, observe);
@@ -88,105 +213,5 @@ impl Walk {
             transforms: self.transforms(),
         };
         observe(Observed::State(self.record.clone()));
-    }
-
-    /// True if the surface came to the present state, of another pattern, without a jump: then the
-    /// branch it is on goes over into the one it left, as at a supercritical bifurcation, and there
-    /// is no stable state of it at a distance before the limit. After a jump there is one, beside
-    /// the state that was left.
-    pub(super) fn is_continuous(
-        &mut self,
-        from: Pattern,
-        to: Pattern,
-        released: f64,
-        event: f64,
-    ) -> bool {
-        let weak = released < WEAK && (from == Pattern::Flat) != (to == Pattern::Flat);
-        let Some(flat) = self.flat.filter(|_| weak) else {
-            return false;
-        };
-        let side = if self.direction == Direction::Approach {
-            1.0
-        } else {
-            -1.0
-        };
-        if to == Pattern::Flat {
-            let before = self.here.state.mean_displacement + side * APART * self.model.law.range;
-            return !flat.is_stable(before);
-        }
-        let before = self.here.state.control + side * APART * self.unit();
-        // So soft a state is told from the flat one only by a small residual.
-        let limits = NewtonLimits {
-            tolerance: self.mechanics.system.precision().floor().max(1e-10),
-            ..NewtonLimits::of(&self.mechanics.system)
-        };
-        // The state is taken already: this last question is answered even if somebody asks to stop.
-        let cancel = std::mem::take(&mut self.mechanics.cancel);
-        let pattern = self.here.state.amplitudes.clone();
-        let found = solve(&mut self.mechanics, pattern, before, limits);
-        self.mechanics.cancel = cancel;
-        match found.end {
-            NewtonEnd::Converged => found.at.state.roughness() < 0.5 * self.here.state.roughness(),
-            _ => released.abs() <= event,
-        }
-    }
-
-    /// True where the flat state is stable and `state` no more than a trace of a pattern on it,
-    /// which the tolerance lets be.
-    pub(super) fn is_as_good_as_flat(&self, flat: FlatBranch, state: &Equilibrium) -> bool {
-        let (at, law) = (state.state.mean_displacement, &self.model.law);
-        flat.is_stable(at)
-            && (state.state.body_energy(self.control()) - law.at(at).energy).abs()
-                <= EVENT * law.surface_energy
-    }
-
-    /// Tells of a pattern that came out of the flat state, or went into it, on the way to the
-    /// present state without the branch having come to an end: the flat state has its limit in
-    /// between, on the stable side of which the surface is as good as flat.
-    pub(super) fn note_transition(&self, now: Pattern, observe: &mut dyn FnMut(Observed)) {
-        let Some(flat) = self.flat else { return };
-        let (a, b, law) = (&self.record, &self.here.state, &self.model.law);
-        let Some(limits) = flat::limits(law, self.model.equivalent_length) else {
-            return;
-        };
-        let (low, high) = (
-            a.mean_displacement.min(b.mean_displacement),
-            a.mean_displacement.max(b.mean_displacement),
-        );
-        let Some(at) = [limits.0, limits.1]
-            .into_iter()
-            .find(|limit| low < *limit && *limit <= high)
-        else {
-            return;
-        };
-        let leaves = flat.is_stable(a.mean_displacement);
-        let (stable, energy, pattern) = if leaves {
-            (a.mean_displacement, a.energy, now)
-        } else {
-            (b.mean_displacement, b.energy, a.pattern)
-        };
-        if (energy - law.at(stable).energy).abs() > EVENT * law.surface_energy
-            || pattern == Pattern::Flat
-        {
-            return;
-        }
-        let stress = law.at(at).traction;
-        let work = 0.5
-            * ((a.stress + stress) * (at - a.mean_displacement)
-                + (stress + b.stress) * (b.mean_displacement - at));
-        observe(Observed::Jump(JumpRecord {
-            direction: self.direction,
-            control: self.control().balanced(at, stress)[0],
-            mean_displacement: at,
-            mean_displacement_after: at,
-            from: if leaves { Pattern::Flat } else { pattern },
-            to: if leaves { pattern } else { Pattern::Flat },
-            stress_before: stress,
-            stress_after: stress,
-            released_energy: 0.0,
-            release_error: (a.energy + work - b.energy).abs() / law.surface_energy,
-            cause: Cause::Transition,
-            landings: Vec::new(),
-        }));
     }
 }

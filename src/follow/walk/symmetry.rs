@@ -3,20 +3,16 @@
 //! where one goes soft.
 
 use super::{Stuck, Walk, WalkOptions, solved};
-use crate::numerics::cancel::Cancel;
-use crate::physics::grid::Grid;
+use crate::numerics::threads::Cancel;
 use crate::physics::indenter::Indenter;
 use crate::physics::low_block::Class;
-use crate::physics::mesh_rule::points_at;
+use crate::physics::mesh::{Grid, points_at};
 use crate::physics::preconditioner::class_reach;
 use crate::physics::system::{Fields, State, System};
-use crate::scene::part::Part;
-use crate::scene::{Model, Scene};
-use crate::solver::Stop;
-use crate::solver::branch::History;
+use crate::scene::{Model, Part, Scene};
 use crate::solver::class_proof::{ClassProof, Known, softest};
-use crate::solver::equilibrium::{Equilibrium, Stiffness};
 use crate::solver::mechanics::{Mechanics, Slides};
+use crate::solver::method::{Equilibrium, History, Stiffness, Stop};
 use crate::solver::stability::Tracker;
 use ndarray::Array2;
 use rand::SeedableRng;

@@ -1,7 +1,7 @@
 //! An elastic layer on a rigid plate.
 
 use super::{Body, Elastic};
-use crate::physics::grid::Grid;
+use crate::physics::mesh::Grid;
 use crate::physics::parameter::{BELOW_ONE, Dimension, LENGTHS, POSITIVE, Refusal, number, own};
 
 /// A layer of uniform thickness t, bonded to a rigid plate; its surface is free of friction.

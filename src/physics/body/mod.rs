@@ -6,7 +6,7 @@
 
 mod layer;
 
-use super::grid::Grid;
+use super::mesh::Grid;
 use super::parameter::{Own, Parameter, Refusal, Value, kinds};
 use std::f64::consts::PI;
 

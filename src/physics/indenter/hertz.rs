@@ -1,8 +1,8 @@
 //! A tip.
 
 use super::{Ground, Indenter};
-use crate::physics::grid::Grid;
 use crate::physics::law::Law;
+use crate::physics::mesh::Grid;
 use crate::physics::parameter::{Dimension, LENGTHS, POSITIVE, own};
 use crate::physics::theory::jkr::Jkr;
 use std::f64::consts::PI;

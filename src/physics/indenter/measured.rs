@@ -5,11 +5,11 @@
 //! ground. All that follows from the map and the choices alone, and is worked out once, when it is
 //! first asked for.
 
-use super::waves::{Component, crest, synthesis};
+use super::wave::{Component, below_crest};
 use super::{Ground, Indenter};
 use crate::numerics::fourier::amplitudes;
-use crate::physics::grid::{Grid, POINTS_MAX};
 use crate::physics::law::Law;
+use crate::physics::mesh::{Grid, POINTS_MAX};
 use crate::physics::parameter::{
     Dimension, LENGTHS, Own, Parameter, Refusal, Value, number, parameter,
 };
@@ -407,15 +407,14 @@ impl Ground for Measured {
         unreachable!("its waves are summed over a mesh")
     }
 
-    /// The waves that the mesh can show, the highest point of their sum (not of the mesh) at 0.
+    /// The waves that the mesh can show.
     fn height(&self, grid: &Grid) -> Option<Array2<f64>> {
-        let waves = self.shown(grid, 0.0);
-        Some(synthesis(&waves, grid) - crest(&waves, grid))
+        Some(below_crest(&self.shown(grid, 0.0), grid))
     }
 
     fn even_height(&self, grid: &Grid) -> Option<Array2<f64>> {
         let middle = self.shown(grid, 0.5 * grid.nx as f64 + 0.5);
-        let whole = synthesis(&middle, grid) - crest(&middle, grid);
+        let whole = below_crest(&middle, grid);
         let (rows, columns) = (grid.ny.div_ceil(2), grid.nx / 2);
         Some(Array2::from_shape_fn((rows, columns), |at| whole[at]))
     }

@@ -6,12 +6,11 @@ mod hertz;
 mod measured;
 mod rough;
 mod wave;
-mod waves;
 
 pub use rough::WAVES_MAX;
 
-use super::grid::Grid;
 use super::law::Law;
+use super::mesh::Grid;
 use super::parameter::{Own, Parameter, Refusal, Value, kinds};
 use ndarray::Array2;
 use std::f64::consts::TAU;

@@ -7,10 +7,10 @@
 //! cell has profiles of the same Hurst exponent, C(q) ~ q^-(1+2H). As only the phases are random,
 //! height and gradient have exactly their root mean squares, whatever the seed.
 
-use super::waves::{Component, crest, synthesis};
+use super::wave::{Component, below_crest, crest};
 use super::{Ground, Indenter};
-use crate::physics::grid::Grid;
 use crate::physics::law::Law;
+use crate::physics::mesh::Grid;
 use crate::physics::parameter::{Dimension, LENGTHS, Refusal, SEED_MAX, Value, number, own};
 use ndarray::Array2;
 use rand::{Rng, SeedableRng};
@@ -89,14 +89,10 @@ impl Ground for Rough {
         unreachable!("its waves are summed over a mesh")
     }
 
-    /// Highest point of the surface (not of the mesh) at 0.
-    ///
     /// Of every mesh of the same cell the same surface; one too coarse for the shortest waves shows
     /// it without them.
     fn height(&self, grid: &Grid) -> Option<Array2<f64>> {
-        let waves = self.shown(grid);
-        let crest = crest(&waves, grid);
-        Some(synthesis(&waves, grid) - crest)
+        Some(below_crest(&self.shown(grid), grid))
     }
 
     fn is_even(&self) -> bool {

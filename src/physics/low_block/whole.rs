@@ -2,7 +2,7 @@
 //! of the mesh, and where they lie.
 
 use super::{LowBlock, System};
-use crate::numerics::vector::dot;
+use crate::numerics::dense::dot;
 use rustfft::num_complex::Complex;
 use std::f64::consts::{FRAC_1_SQRT_2, PI};
 

@@ -14,7 +14,7 @@
 //! size, the bulge above it.
 
 use super::boundary;
-use crate::numerics::factor::Factor;
+use crate::numerics::dense::Factor;
 use crate::numerics::functions::{Chebyshev, spherical_bessel};
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, PI, SQRT_2, TAU};
 use std::sync::OnceLock;

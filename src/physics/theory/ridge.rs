@@ -12,7 +12,7 @@
 //! the ridge flattens. p~ = p u0/gamma. Eq. 25 is Eq. 26 with dimensions, where the print lacks a
 //! square: p/E* = -(4 gamma^2/(pi L E*^2 u0))^(1/3).
 
-use super::{Units, boundary, flat};
+use super::{Units, boundary, flat_limits};
 use crate::physics::law::Law;
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, LN_2, PI};
 
@@ -172,7 +172,7 @@ pub fn thick_pressure(displacement: f64) -> f64 {
 /// What a loop between the flat, separated state and the ridge loses in a cell of side `length`
 /// (Eq. 30), in units of gamma per area.
 ///
-/// On approach the flat state gives way at u_nc, the upper of [`flat::limits`], and becomes a
+/// On approach the flat state gives way at u_nc, the upper of [`flat_limits`], and becomes a
 /// ridge; on retraction the ridge flattens at u_c. The loss is the area between the two branches,
 ///
 /// ```text
@@ -185,7 +185,7 @@ pub fn thick_pressure(displacement: f64) -> f64 {
 /// `None` where the flat state never gives way.
 pub fn loss(law: &Law, length: f64) -> Option<f64> {
     let units = Units::of(law, length);
-    let (_, approach) = flat::limits(law, length)?;
+    let (_, approach) = flat_limits(law, length)?;
     let touching = units.reduce(approach);
     let end = critical();
     let ridge = energy(end.alpha, end.displacement) - energy(alpha(touching)?, touching);

@@ -1,7 +1,7 @@
 //! Folds: where a branch turns back, found with u0 as an unknown beside the amplitudes.
 
 use super::{Evaluation, Fields, Lost, NODE, Node, SHARP, STEPS, Sector, Side, State};
-use crate::numerics::vector::{add, dot, hermite, norm, scale};
+use crate::numerics::dense::{add, dot, hermite, norm, scale};
 
 /// A step of a bordered solve that leaves more than this share of the force asks for fresh
 /// derivatives.
@@ -101,9 +101,9 @@ impl Sector {
         Err(Lost::Gone)
     }
 
-    /// The fold ahead of `here` in the direction of growing u0 if `up`; `before` is the node before
-    /// it. The node returned has the null vector as tangent, pointing onwards, and an infinite
-    /// slope; the fields are those of a state a hair from it.
+    /// The fold ahead of `here` on a `side`; `before` is the node before it. The node returned has
+    /// the null vector as tangent, pointing onwards, and an infinite slope; the fields are those of a
+    /// state a hair from it.
     ///
     /// # Errors
     /// The branch was lost on the way.
@@ -146,11 +146,7 @@ impl Sector {
         let length = norm(&near.tangent);
         let phi: Vec<f64> = near.tangent.iter().map(|t| t / length).collect();
         let mut a = dot(&phi, &near.state.amplitudes);
-        let (mut u0, mut z, mut bend) = (
-            near.state.mean_displacement,
-            near.state.amplitudes.clone(),
-            near.bend,
-        );
+        let (mut u0, mut z, mut bend) = (near.u0(), near.state.amplitudes.clone(), near.bend);
         let mut last: Option<Arc> = None;
         let mut off_before = f64::INFINITY;
         let mut tolerance = NODE;
@@ -160,11 +156,7 @@ impl Sector {
             if let Some(last) = &last {
                 bend = (arc.rate - last.rate) / (arc.a - last.a);
             }
-            if !(if side == Side::Upper {
-                bend < 0.0
-            } else {
-                bend > 0.0
-            }) {
+            if !(side.sign() * bend < 0.0) {
                 break;
             }
             let shift = -rate / bend;
@@ -191,7 +183,7 @@ impl Node {
     fn shift_to(&mut self, arc: &Arc, top: (f64, f64), bend: f64) {
         let shift = top.0 - arc.a;
         add(&mut self.state.amplitudes, shift, &arc.dz);
-        let du = top.1 - self.state.mean_displacement;
+        let du = top.1 - self.u0();
         self.state.energy += self.state.stress * du;
         self.state.stress += shift * self.slope;
         self.state.drive_by(du);
@@ -241,7 +233,8 @@ impl Arc {
         }
     }
 
-    /// Where the rate of the cubic through two points vanishes, and u0 there: the maximum if `up`.
+    /// Where the rate of the cubic through two points vanishes, and u0 there: the maximum towards the
+    /// upper side.
     fn extremum(a: &Self, b: &Self, side: Side) -> (f64, f64) {
         let h = b.a - a.a;
         let slope = (b.u0 - a.u0) / h;
@@ -251,11 +244,7 @@ impl Arc {
         let root = (c * c - 3.0 * d * a.rate).max(0.0).sqrt();
         // Of the two zeros of the rate the one where the second derivative, 2c + 6ds, has the right
         // sign.
-        let s = if side == Side::Upper {
-            -a.rate / (c - root)
-        } else {
-            -a.rate / (c + root)
-        };
+        let s = -a.rate / (c - side.sign() * root);
         (a.a + s, a.u0 + s * (a.rate + s * (c + s * d)))
     }
 

@@ -12,7 +12,7 @@ use crate::plot::panel::{
 };
 use crate::plot::scale::{Scale, scales, ticks};
 use crate::plot::style::{Colours, MARKS, Rgb, Stroke, marked, pointing, stroke};
-use crate::storage::picture::{self, common_scale, gap_pixels};
+use crate::storage::picture::{common_scale, gap_pixels};
 
 /// Sizes of letters: ticks, names of axes, headings, words in the diagram.
 const TICK: f64 = 12.5;
@@ -297,19 +297,6 @@ impl Plot<'_> {
         }
     }
 
-    /// One scale of colours for all maps of the diagram, so that they can be compared.
-    fn gap_scale(&self) -> picture::Scale {
-        common_scale(
-            self.panel
-                .insets
-                .iter()
-                .filter_map(|inset| match &inset.content {
-                    Content::Map { gap, .. } => Some(gap),
-                    Content::Diagram(_) => None,
-                }),
-        )
-    }
-
     fn inset(&self, sheet: &mut Sheet, inset: &Inset) {
         let [left, top, right, bottom] = self.sides;
         let [x, y, w, h] = inset.place;
@@ -328,7 +315,7 @@ impl Plot<'_> {
                 draw(sheet, panel, &panel.title, sides, (&legend, room), size);
             }
             Content::Map { letter, gap } => {
-                let image = gap_pixels(gap, self.gap_scale(), Colours::default());
+                let image = gap_pixels(gap, common_scale(self.panel.maps()), Colours::default());
                 let (columns, rows) = (
                     f64::from(image.width().max(1)),
                     f64::from(image.height().max(1)),

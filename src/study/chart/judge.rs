@@ -5,8 +5,8 @@ use super::points::LONGER;
 use super::{Measured, Point};
 use crate::follow::record::{Direction, JumpRecord, LoopRecord, StateRecord};
 use crate::follow::run::Outcome;
-use crate::numerics::vector::max_abs;
-use crate::physics::mesh_rule;
+use crate::numerics::dense::max_abs;
+use crate::physics::mesh;
 use crate::physics::pattern::Pattern;
 use crate::solver::Stop;
 use std::fmt;
@@ -223,7 +223,7 @@ fn jump_faults(measured: &Measured, truth: &Measured, matched: usize) -> Vec<(St
     }
     let extra = ours.jumps.len() - matched;
     if extra > 0 {
-        let whose = if measured.mu_rho > mesh_rule::SAFE {
+        let whose = if measured.mu_rho > mesh::SAFE {
             "jumps of the mesh"
         } else {
             "extra jumps"

@@ -4,8 +4,7 @@
 use super::{STAYS, Tab, Title, Update, doing, take_in};
 use crate::plot::chart_panel::{ChartPanel, Cost, headline};
 use crate::plot::panel::Panel;
-use crate::scene::part::Strategy;
-use crate::scene::{Model, Range};
+use crate::scene::{Model, Range, Strategy};
 use crate::study::chart::{Effort, Judged, Point, Verdict};
 use crate::ui::action::Action;
 use crate::ui::diagram;

@@ -4,13 +4,13 @@
 use super::{Tab, Title, Update, small};
 use crate::follow::diagram::Diagram;
 use crate::follow::record::StateRecord;
-use crate::numerics::cancel::Cancel;
+use crate::numerics::threads::Cancel;
 use crate::physics::control::Control;
 use crate::physics::law::Law;
 use crate::plot::diagram_panel::{Extent, at, barrier_panel, landscape_panel};
 use crate::plot::panel::{Colour, Panel, Series};
 use crate::scene::Scene;
-use crate::scene::units::significant;
+use crate::scene::parameter::significant;
 use crate::solver::Lost;
 use crate::study::landscape::{BEFORE, Ground, Landscape, Standing};
 use crate::ui::action::Action;

@@ -391,15 +391,7 @@ type Pictures = HashMap<(usize, usize, usize), TextureHandle>;
 
 /// The maps inside the frame of a plot.
 fn maps(ui: &Ui, panel: &Panel, frame: Rect, key: (usize, usize)) {
-    let gaps = panel
-        .insets
-        .iter()
-        .filter_map(|inset| match &inset.content {
-            Content::Map { gap, .. } => Some(gap),
-            Content::Diagram(_) => None,
-        });
-    // In the same colours, so that they can be compared.
-    let colours = common_scale(gaps);
+    let colours = common_scale(panel.maps());
     for (i, inset) in panel.insets.iter().enumerate() {
         let Content::Map { letter, gap } = &inset.content else {
             continue;

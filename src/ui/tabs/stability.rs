@@ -6,7 +6,7 @@ use crate::follow::record::Direction;
 use crate::physics::parameter::Dimension;
 use crate::plot::loop_panel::branches;
 use crate::plot::panel::{Along, Area, Axis, Colour, Label, Panel, Role, Series, Symbol};
-use crate::scene::units::fixed;
+use crate::scene::parameter::fixed;
 use crate::solver::gfmd::GfmdBudget;
 use crate::study::forecast::{Forecast, forecast};
 use crate::study::time_step_map::TimeStepMap;

@@ -6,7 +6,7 @@ use super::{Tab, Title, Update};
 use crate::physics::parameter::{Parameter, Value, number};
 use crate::plot::panel::Panel;
 use crate::plot::study_panel::sweep_panel;
-use crate::scene::units::fixed;
+use crate::scene::parameter::fixed;
 use crate::scene::{edit, parameter};
 use crate::study::sweep::{COLUMNS, Point, Row, Study};
 use crate::study::sweep::{Spacing, Span, grid};

@@ -8,7 +8,7 @@ use crate::physics::parameter::Dimension;
 use crate::plot::scale;
 use crate::plot::style::Colours;
 use crate::scene::Scene;
-use crate::scene::units::fixed;
+use crate::scene::parameter::fixed;
 use crate::study::forecast::ahead;
 use crate::study::why::{Evidence, Explanation, explain};
 use crate::ui::action::Action;

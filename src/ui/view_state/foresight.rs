@@ -6,8 +6,8 @@
 use super::{Kept, Origin, Selection, ViewState};
 use crate::follow::record::Direction;
 use crate::lessons::Hidden;
-use crate::scene::part::Part;
-use crate::scene::units::fixed;
+use crate::scene::Part;
+use crate::scene::parameter::fixed;
 use crate::study::live_loop::{LiveLoop, Spot};
 use crate::ui::action::Scales;
 use crate::worker::SolverHandle;

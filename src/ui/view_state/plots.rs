@@ -4,15 +4,14 @@
 
 use super::ViewState;
 use crate::follow::diagram::Diagram;
-use crate::paper::overlay::ZeroRange;
 use crate::physics::control::Control;
 use crate::physics::parameter::Dimension;
 use crate::physics::pattern::Pattern;
-use crate::plot::curve::Curve;
+use crate::plot::curve::{Curve, ZeroRange};
 use crate::plot::loop_panel::place;
 use crate::plot::panel::{Colour, Dash, Role, Series};
 use crate::plot::scale;
-use crate::scene::units::fixed;
+use crate::scene::parameter::fixed;
 use crate::scene::{Model, Scene};
 use crate::storage::scene_file;
 use crate::study::landscape::Standing;

@@ -1,13 +1,15 @@
-//! Ways back. What a session file keeps of the window beside the scene, and how it is taken up again;
-//! undo and redo: the scenes before and after the present one, and where their surfaces were.
+//! What outlasts a run. What a session file keeps of the window beside the scene, and how it is taken
+//! up again; undo and redo: the scenes before and after the present one, and where their surfaces
+//! were; the lesson under way.
 
 use super::plots::SavedLoop;
 use super::{Curve, Films, KeptLoops, Store, ViewState};
 use crate::follow::record::LoopRecord;
-use crate::scene::part::Strategy;
-use crate::scene::{Drive, Scene};
+use crate::lessons::{self, Facts, Hidden, Lesson, Progress, Question, Step};
+use crate::scene::{Drive, Scene, Strategy};
 use crate::solver::methods::MethodKind;
 use crate::storage::session::Session;
+use crate::ui::action::LessonAct;
 use crate::worker::protocol::{Film, Stored};
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
@@ -290,6 +292,126 @@ impl ViewState {
             && let Some(surface) = surface
         {
             self.resume(surface);
+        }
+    }
+}
+
+/// What the window must do as a step begins.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Begin {
+    /// The preset to open.
+    pub scene: Option<&'static str>,
+    /// The tab to show.
+    pub tab: Option<&'static str>,
+}
+
+impl ViewState {
+    /// The lesson under way, and how far it is.
+    pub fn lesson(&self) -> Option<(&'static Lesson, &Progress)> {
+        let progress = self.lesson.as_ref()?;
+        Some((lessons::find(&progress.lesson)?, progress))
+    }
+
+    /// Its step.
+    fn lesson_step(&self) -> Option<&'static Step> {
+        let (lesson, progress) = self.lesson()?;
+        progress.step(lesson)
+    }
+
+    /// The question that waits, and the answer that is chosen.
+    pub fn asked(&self) -> Option<(&'static Question, Option<f64>)> {
+        let (lesson, progress) = self.lesson()?;
+        Some((progress.asks(lesson)?, progress.answer))
+    }
+
+    /// True if the lesson hides this, or a lecture or the window itself before the first jump.
+    pub fn hides(&self, what: Hidden) -> bool {
+        let waits = self.opened.guessing || self.view.lecture && self.run.record.jumps.is_empty();
+        self.lesson_hides(what) || waits && what == Hidden::Forecast
+    }
+
+    fn lesson_hides(&self, what: Hidden) -> bool {
+        self.lesson_step()
+            .is_some_and(|step| step.hide.contains(&what))
+    }
+
+    /// True if kept loops, and the scene beside, would tell what a lesson asks.
+    pub fn hides_kept(&self) -> bool {
+        self.lesson_hides(Hidden::Forecast)
+    }
+
+    /// Between which values u0 can be guessed (ranges).
+    pub fn guessable(&self) -> [f64; 2] {
+        let ([left, _], [right, _]) = self.axes();
+        [left.max(0.0), right]
+    }
+
+    /// What a lesson knows of the model.
+    fn facts(&self) -> Facts<'_> {
+        Facts {
+            scene: &self.scene,
+            model: &self.model,
+            record: &self.run.record,
+            loss: self.run.loss(),
+        }
+    }
+
+    /// Does what the learner asked for.
+    pub fn act_in_lesson(&mut self, act: LessonAct) -> Begin {
+        if act == LessonAct::Leave {
+            self.lesson = None;
+            return Begin::default();
+        }
+        if let LessonAct::Start(index) = act {
+            self.lesson = lessons::all().get(index).map(Progress::new);
+            return self.begin_step();
+        }
+        let (Some(mut progress), Some((lesson, _))) = (self.lesson.clone(), self.lesson()) else {
+            return Begin::default();
+        };
+        match act {
+            LessonAct::Choose(answer) => progress.answer = Some(answer),
+            LessonAct::Commit => progress.commit(lesson, &self.facts()),
+            LessonAct::Next => progress.next(lesson),
+            LessonAct::Back => progress.back(lesson),
+            LessonAct::Start(_) | LessonAct::Leave => {}
+        }
+        self.lesson = Some(progress);
+        if matches!(act, LessonAct::Next | LessonAct::Back) {
+            self.begin_step()
+        } else {
+            Begin::default()
+        }
+    }
+
+    fn begin_step(&self) -> Begin {
+        self.lesson_step()
+            .map_or_else(Begin::default, |step| Begin {
+                scene: step.scene.as_deref(),
+                tab: step.tab.as_deref(),
+            })
+    }
+
+    /// Takes a lesson up again where it was left.
+    pub fn resume_lesson(&mut self, progress: Progress) -> Begin {
+        self.lesson = Some(progress);
+        let scene = self
+            .lesson()
+            .and_then(|(lesson, progress)| lesson.scene_at(progress.step));
+        Begin {
+            scene,
+            ..self.begin_step()
+        }
+    }
+
+    /// Ends the task if the model meets its condition.
+    pub fn observe_lesson(&mut self) {
+        let Some((lesson, progress)) = self.lesson() else {
+            return;
+        };
+        let mut progress = progress.clone();
+        if progress.observe(lesson, &self.facts()) {
+            self.lesson = Some(progress);
         }
     }
 }

@@ -197,7 +197,7 @@ impl ViewState {
     /// frame.
     pub(super) fn resume(&mut self, stored: Arc<Stored>) {
         self.target = self.held(stored.record.control);
-        self.run.resume(stored);
+        self.run.resume(stored, self.target);
     }
 
     /// The path goes back to its first states and jumps; all of it becomes a ghost.
@@ -287,9 +287,8 @@ impl ViewState {
 mod tests {
     use super::*;
     use crate::physics::system::{Fields, State};
-    use crate::scene::part::Part;
-    use crate::solver::Stop;
-    use crate::solver::equilibrium::{Cost, Equilibrium};
+    use crate::scene::Part;
+    use crate::solver::method::{Cost, Equilibrium, Stop};
     use ndarray::Array2;
 
     fn stored(place: usize, side: usize) -> Arc<Stored> {

@@ -1,11 +1,22 @@
-//! The gallery: every figure computes, agrees with its theory, and can be stopped.
+//! Every figure of the paper, what is found in it, and its theory over a loop; and `tackscope figure` and
+//! `tackscope table`, as a user or a script meets them.
 
+#[path = "program/binary.rs"]
+mod binary;
+
+use binary::{
+    Running, command, content, done, errors, folder, is_png, perform, refuses, said, says,
+};
+use std::f64::consts::PI;
 use std::sync::OnceLock;
 use std::time::Instant;
-use tackscope::numerics::cancel::Cancel;
+use tackscope::numerics::threads::Cancel;
 use tackscope::paper::{Entry, Figure, GALLERY, Size, Stopped, TABLES, Task, UNDER_LOAD, scenes};
+use tackscope::physics::body::{Body, Layer};
+use tackscope::plot::curve::{TheoryLine, ZeroRange};
 use tackscope::plot::panel::{Content, Panel, Role};
-use tackscope::storage::presets;
+use tackscope::scene::Points;
+use tackscope::storage;
 
 fn check_panel(number: usize, panel: &Panel) {
     assert!(
@@ -132,7 +143,7 @@ fn the_scenes_of_figures_2_and_3_and_the_ridge_s_are_the_presets() {
         (scenes::figure_3(), "fig3"),
         (scenes::ridge_line(), "ridge-line"),
     ] {
-        let mut preset = presets::resolve(name).unwrap();
+        let mut preset = storage::resolve(name).unwrap();
         preset.source = scene.source.clone();
         assert_eq!(scene, preset);
     }
@@ -301,4 +312,212 @@ fn a_figure_stops_when_asked() {
         let end = (entry.compute)(&mut Task::new(Size::Quick, &cancel, &mut observe));
         assert_eq!(end.err(), Some(Stopped::Cancelled), "Fig. {number}");
     }
+}
+
+#[test]
+fn a_tip_has_the_branch_of_jkr_alone_and_in_its_cell_up_to_their_ends() {
+    let model = scenes::tip(64, 0.5).model().expect("a model");
+    let lines = ZeroRange::compute(&Cancel::default())
+        .unwrap()
+        .lines(&model, -0.0145, 0.02);
+    assert_eq!(
+        lines.iter().map(|line| line.name).collect::<Vec<_>>(),
+        ["JKR", "JKR, periodic"]
+    );
+    let gamma = scenes::TIP_SURFACE_ENERGY;
+    let pull = |line: &TheoryLine| {
+        line.points.iter().map(|p| p[1]).fold(0.0, f64::max) / (1.5 * PI * gamma)
+    };
+    assert!((pull(&lines[0]) - 1.0).abs() < 1e-3 && (pull(&lines[1]) - 1.0041178).abs() < 1e-3);
+    for line in &lines {
+        assert!(
+            line.points.windows(2).all(|pair| pair[1][0] > pair[0][0])
+                && line.points[0][0] < -0.013,
+            "{line:?}"
+        );
+    }
+    // The branch alone turns back at 5/9 of the pull-off force, where a^3 = pi gamma R^2/8.
+    let end = lines[0].points.last().expect("points");
+    let a = (PI * gamma / 8.0).cbrt();
+    assert!(
+        (end[0] - ((2.0 * PI * gamma * a).sqrt() - a * a)).abs() < 1e-4,
+        "{end:?}"
+    );
+}
+
+#[test]
+fn over_a_layer_there_is_no_theory_but_the_flat_state() {
+    let body = Body::Layer(Layer {
+        thickness: 0.1,
+        poisson: 0.5,
+    });
+    let theory = ZeroRange::compute(&Cancel::default()).unwrap();
+    let flat = scenes::flat("", 1024.0, Points::Square(64), 6.0, 0.2, 0.02);
+    for (scene, lines) in [(scenes::tip(64, 0.5), 0), (flat, 1)] {
+        let mut model = scene.model().expect("a model");
+        assert!(theory.lines(&model, -0.01, 1.0).len() > lines);
+        model.body = body;
+        assert_eq!(theory.lines(&model, -0.01, 1.0).len(), lines);
+    }
+}
+
+#[test]
+fn the_lines_are_theory_in_the_units_of_the_scene() {
+    let scene = scenes::flat("", 1024.0, Points::Square(64), 6.0, 0.2, 0.02);
+    let model = scene.model().expect("a model");
+    let lines = ZeroRange::compute(&Cancel::default())
+        .unwrap()
+        .lines(&model, 0.2, 6.0);
+    assert_eq!(
+        lines.iter().map(|line| line.name).collect::<Vec<_>>(),
+        ["flat", "ridge", "dimple", "bulge"]
+    );
+    // The ridge flattens at u_c~ = 0.665607924 with p_c~ = -0.354996680: here sqrt(gamma L) =
+    // sqrt(153.6), p = p~ gamma/u0.
+    let end = lines[1].points.last().expect("points");
+    let u0 = 0.665607924 * 153.6f64.sqrt();
+    assert!(
+        (end[0] - u0).abs() < 1e-6 && (end[1] - 0.354996680 * 0.15 / u0).abs() < 1e-9,
+        "{end:?}"
+    );
+    // A small dimple: p~ = -(1.79301 u~)^(4/5) to leading order, approached as alpha^3, that is
+    // u~^(6/5).
+    let [u0, stress] = lines[2].points[1];
+    let u = u0 / 153.6f64.sqrt();
+    assert!(
+        (stress * u0 / 0.15 / (1.79301 * u).powf(0.8) - 1.0).abs() < 2.0 * u.powf(1.2),
+        "{u} {stress}"
+    );
+    // The flat state feels the law itself: sigma_max = gamma/(2 rho) at rho ln 2.
+    let top = lines[0].points.iter().map(|p| p[1]).fold(0.0, f64::max);
+    assert!((top - 0.075).abs() < 1e-4, "{top}");
+    let line = scenes::flat("", 1024.0, Points::Line(64), 6.0, 0.2, 0.02)
+        .model()
+        .expect("a model");
+    assert_eq!(
+        ZeroRange::compute(&Cancel::default())
+            .unwrap()
+            .lines(&line, 0.2, 6.0)
+            .len(),
+        2
+    );
+}
+
+#[test]
+fn a_figure_becomes_data_and_pictures_and_one_closing_line() {
+    let home = folder();
+    let output = perform(&["figure", "4", "--quick"], home.path());
+    let line = done(&output);
+    assert!(
+        line.starts_with("1 figure") && line.lines().count() == 1,
+        "{line}"
+    );
+    says(
+        &errors(&output),
+        &["Fig. 4: Where the flat surface gives way"],
+    );
+    let csv = content(home.path().join("figure-04.csv"));
+    assert!(csv.starts_with("# Fig. 4: ") && csv.contains("\npanel,series,role,x,y,x_to,y_to\n"));
+    assert!(content(home.path().join("figure-04.svg")).starts_with("<svg"));
+    assert!(is_png(&home.path().join("figure-04.png")));
+}
+
+#[test]
+fn an_unknown_figure_or_table_is_refused_with_what_there_is() {
+    for (arguments, allowed) in [
+        (["figure", "77"], "or all"),
+        (["figure", "all4"], "4"),
+        (["table", "2"], "1"),
+    ] {
+        let home = folder();
+        let out = home.path().join("out");
+        let output = perform(&arguments, &out);
+        refuses(&output, &[arguments[1], allowed]);
+        assert!(!out.exists(), "nothing is written for a refused number");
+    }
+}
+
+#[test]
+fn table_1_becomes_data_and_pictures() {
+    let home = folder();
+    let output = perform(&["table", "1"], home.path());
+    done(&output);
+    let csv = content(home.path().join("table-1.csv"));
+    for row in [
+        "Dugdale,1960,0.798,π/8,0.7979",
+        "Popov,2015,0.729,0.47,0.7293",
+    ] {
+        assert!(csv.lines().any(|line| line == row), "{row} in {csv}");
+    }
+    for name in ["table-1.svg", "table-1.png"] {
+        assert!(home.path().join(name).exists(), "{name}");
+    }
+    assert!(said(&output).contains("6 of 6 findings agree"));
+}
+
+#[test]
+fn quiet_is_silent() {
+    let output = perform(&["figure", "4", "--quick", "--quiet"], folder().path());
+    assert!(output.status.success() && output.stdout.is_empty() && output.stderr.is_empty());
+}
+
+#[test]
+fn a_report_is_one_page_with_picture_findings_table_and_errata() {
+    let home = folder();
+    let output = perform(
+        &["figure", "4", "--quick", "--quiet", "--report"],
+        home.path(),
+    );
+    done(&output);
+    let page = content(home.path().join("report.html"));
+    says(
+        &page,
+        &[
+            "<svg",
+            "Fig. 4",
+            "Table 1",
+            "Dugdale",
+            "What the print got wrong",
+            "0.400643",
+            "</html>",
+        ],
+    );
+    let findings = content(home.path().join("findings.csv"));
+    assert!(
+        findings.starts_with("where,quantity,found,expected,source,deviation,tolerance,agrees\n")
+    );
+    assert!(
+        findings
+            .lines()
+            .any(|line| line.starts_with("Table 1,") && line.ends_with(",yes")),
+        "{findings}"
+    );
+}
+
+#[test]
+#[cfg(unix)]
+fn ctrl_c_keeps_what_is_done_and_the_report_says_what_is_missing() {
+    let home = folder();
+    let words = ["figure", "all", "--quick", "--report"];
+    let mut going = Running::spawn(command(&words, home.path()));
+    let mut done = String::new();
+    while !done.starts_with("Fig. ") {
+        done = going.line();
+        assert!(!done.is_empty(), "it ended before a figure was done");
+    }
+    going.signal("INT");
+    let (code, rest) = going.end();
+    assert_eq!(code, Some(130), "{rest}");
+    says(&rest, &["interrupted; what was computed is in"]);
+    let number: usize = done[5..]
+        .split(':')
+        .next()
+        .and_then(|n| n.parse().ok())
+        .expect("its number");
+    assert!(home.path().join(format!("figure-{number:02}.png")).exists());
+    let page = content(home.path().join("report.html"));
+    assert!(
+        page.contains(&format!("id=\"figure-{number}\"")) && page.contains("stopped"),
+        "the page says what is missing"
+    );
 }

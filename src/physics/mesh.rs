@@ -1,14 +1,74 @@
-//! The mesh rule (Eqs 9 to 11 and 33), max(-gamma'') = mu_rho^2 E*/da, for every law; the mesh that
-//! an accuracy asks for on flat ground, and the accuracy that a mesh gives.
+//! The periodic cell with its mesh; the mesh rule (Eqs 9 to 11 and 33), max(-gamma'') = mu_rho^2
+//! E*/da, for every law; the mesh that an accuracy asks for on flat ground, and the accuracy that a
+//! mesh gives.
 //!
 //! A mesh of spacing da resists a wave of wave number q with q E*/2. The larger mu_rho, the shorter
 //! the waves that a softening law makes unstable: at sqrt(pi/2) on a line, and 2^(1/4) as much on a
 //! square, the shortest one the mesh has, and jumps then belong to the mesh, not to the physics.
 
-use super::body::Body;
 use super::law::Law;
-use super::theory::flat;
-use std::f64::consts::PI;
+use super::theory::critical_length;
+use std::f64::consts::{PI, TAU};
+
+/// Largest number of points along one side.
+pub const POINTS_MAX: usize = 4096;
+
+/// A square cell of `length` x `length` with `nx` = `ny` points, or a line cell with `ny` = 1
+/// (fields uniform along y).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Grid {
+    /// Side L of the cell (length unit of the scene).
+    pub length: f64,
+    /// Points along x.
+    pub nx: usize,
+    /// Points along y: `nx`, or 1 for a line cell.
+    pub ny: usize,
+}
+
+impl Grid {
+    /// A square cell with n x n points.
+    pub fn square(length: f64, n: usize) -> Self {
+        Self {
+            length,
+            nx: n,
+            ny: n,
+        }
+    }
+
+    /// A line cell with n points along x and none along y.
+    pub fn line(length: f64, n: usize) -> Self {
+        Self {
+            length,
+            nx: n,
+            ny: 1,
+        }
+    }
+
+    /// Spacing da = L/n of the mesh.
+    pub fn spacing(&self) -> f64 {
+        self.length / self.nx as f64
+    }
+
+    /// Number of points.
+    pub fn points(&self) -> usize {
+        self.nx * self.ny
+    }
+
+    /// Shape of a field, (rows, columns) = (ny, nx).
+    pub fn shape(&self) -> (usize, usize) {
+        (self.ny, self.nx)
+    }
+
+    /// True for a line cell.
+    pub fn is_line(&self) -> bool {
+        self.ny == 1
+    }
+
+    /// The smallest non-zero wave number q1 = 2 pi / L.
+    pub fn q1(&self) -> f64 {
+        TAU / self.length
+    }
+}
 
 /// A cohesive-zone model of the literature (Table 1).
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -117,14 +177,14 @@ pub fn mu_rho_of_zone(zone: f64) -> f64 {
 ///
 /// A layer is stiffer than a half-space to every wave: the shortest that softens is no shorter.
 pub fn mesh_error(law: &Law, length: f64, mu_rho: f64) -> f64 {
-    let periods = length / flat::critical_length(law);
+    let periods = length / critical_length(law);
     ANY_MESH + 0.42 * periods.max(1.0).powf(3.5) * (-2.6 / (mu_rho * mu_rho)).exp()
 }
 
-/// What is expected of a body and law on flat ground and this mesh; 1 where which jumps happen
-/// depends on the mesh itself, or for a layer, of which nothing is known: nothing is promised.
-pub fn flat_error(body: &Body, law: &Law, length: f64, mu_rho: f64) -> f64 {
-    if *body == Body::HalfSpace && law.is_smooth() && is_safe(mu_rho) {
+/// What is expected of a law under a half-space on flat ground and this mesh; 1 where which jumps
+/// happen depends on the mesh itself: nothing is promised.
+pub fn flat_error(law: &Law, length: f64, mu_rho: f64) -> f64 {
+    if law.is_smooth() && is_safe(mu_rho) {
         mesh_error(law, length, mu_rho)
     } else {
         1.0

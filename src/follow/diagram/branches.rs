@@ -1,23 +1,30 @@
-//! The diagram on flat ground, where the patterns come out of the flat state: the branch of ridges
-//! and that of square patterns from its limits, then those that join them where a stable pattern
-//! breaks its symmetry.
+//! Where the branches of a diagram begin.
+//!
+//! On flat ground the patterns come out of the flat state: the branch of ridges and that of square
+//! patterns from its limits, then those that join them where a stable pattern breaks its symmetry.
+//!
+//! On uneven ground there is the branch of the first state of the drive, through all its folds until
+//! it leaves the range of the drive, and the branches that leave it where it loses or gains its
+//! stability.
 
-use super::meeting::{Ends, Meeting};
-use super::trace::Tracer;
+use super::trace::{Ends, Meeting, Start, Tracer};
 use super::{Branch, Diagram, Ending, Kind, Observe, Point};
 use crate::follow::atlas::Meshes;
-use crate::numerics::cancel::Cancel;
-use crate::numerics::vector::norm;
+use crate::follow::walk::symmetry::slides_on;
+use crate::follow::walk::{Walk, WalkOptions};
+use crate::numerics::dense::norm;
+use crate::numerics::threads::Cancel;
 use crate::physics::control::Control;
-use crate::physics::grid::Grid;
 use crate::physics::indenter::Indenter;
 use crate::physics::low_block::{Class, LowBlock};
+use crate::physics::mesh::Grid;
+use crate::physics::parameter::Refusal;
 use crate::physics::pattern::Pattern;
 use crate::physics::preconditioner::class_reach;
 use crate::physics::system::{State, System, carried};
-use crate::physics::theory::flat;
-use crate::scene::{Model, Scene, Turn};
-use crate::solver::continuation::way;
+use crate::physics::theory::{critical_length, flat_limits};
+use crate::scene::{Model, Part, Scene, Turn};
+use crate::solver::continuation::{Knot, way};
 use crate::solver::index::{Index, Symmetry};
 use crate::solver::mechanics::Mechanics;
 use std::collections::BTreeMap;
@@ -61,7 +68,7 @@ fn tracer(
 }
 
 /// All branches of a flat scene.
-pub(super) fn fill(
+pub(super) fn on_flat_ground(
     diagram: &mut Diagram,
     scene: &Scene,
     model: &Model,
@@ -70,7 +77,7 @@ pub(super) fn fill(
 ) {
     let (length, control) = (model.grid.length, diagram.control);
     diagram.branches.push(flat_state(scene, model, control));
-    let Some(limits) = flat::limits(&model.law, model.equivalent_length) else {
+    let Some(limits) = flat_limits(&model.law, model.equivalent_length) else {
         return;
     };
     if !model.body.is_softest_at_its_longest(&model.grid) {
@@ -118,7 +125,7 @@ fn flat_state(scene: &Scene, model: &Model, control: Control) -> Branch {
     };
     // Waves that can soften and that the mesh has, by the square of their number of periods, with
     // how many there are of each. A layer is stiffer to each than a half-space.
-    let softest = (length / flat::critical_length(&law)).floor() as i64;
+    let softest = (length / critical_length(&law)).floor() as i64;
     let most = softest.min(model.grid.nx as i64 / 2);
     let across = if model.grid.is_line() { 0 } else { most };
     let mut waves: BTreeMap<i64, usize> = BTreeMap::new();
@@ -145,7 +152,7 @@ fn flat_state(scene: &Scene, model: &Model, control: Control) -> Branch {
         .iter()
         .map(|(length, _)| (*length, Kind::Bifurcation))
         .chain([(PI / control.stiffness(), Kind::Fold)])
-        .filter_map(|(length, kind)| Some((flat::limits(&law, length)?, kind)))
+        .filter_map(|(length, kind)| Some((flat_limits(&law, length)?, kind)))
         .flat_map(|((low, high), kind)| [(low, kind), (high, kind)])
         .filter(|(u0, _)| turn < *u0 && *u0 < start)
         .chain([(start, Kind::Regular), (turn, Kind::Regular)])
@@ -322,4 +329,134 @@ fn nearest_image(state: &State, z: &[f64]) -> State {
     images
         .min_by(|a, b| far(a).total_cmp(&far(b)))
         .expect("there are eight")
+}
+
+/// Most branches that are followed on uneven ground: rough ground has as many as its crests can be in contact in
+/// different orders.
+const BRANCHES: usize = 12;
+
+/// Follows the branch of the first state of the drive on `part` of the cell, and what leaves it.
+pub(super) fn on_uneven_ground(
+    diagram: &mut Diagram,
+    scene: &Scene,
+    part: Part,
+    cancel: &Cancel,
+    observe: Observe<'_>,
+) -> Result<(), Refusal> {
+    let options = WalkOptions {
+        part,
+        ..WalkOptions::default()
+    };
+    let walk = Walk::start(scene, options, cancel)?;
+    if let Some((what, _)) = walk.record().fault() {
+        diagram.missing.push(what);
+        return Ok(());
+    }
+    let mut mechanics = walk.mechanics().clone();
+    let mut state = walk.here().state.clone();
+    if walk.control().frees_mean() {
+        // The plate of a layer was driven: the same surface is in equilibrium at its own u0.
+        let (system, slides) = (mechanics.system.clone(), mechanics.slides);
+        mechanics = Mechanics::new(system.with_control(Control::Displacement), slides);
+        state.amplitudes[0] = 0.0;
+        state = mechanics
+            .at(state.amplitudes, state.mean_displacement)
+            .state;
+    }
+    let index = Index::of_cell(&mechanics.system, slides_on(walk.model()), scene.seed);
+    let mut down = vec![0.0; mechanics.system.dimension()];
+    down[0] = -1.0;
+    let first = Knot {
+        state,
+        tangent: down,
+        stress_rate: f64::NAN,
+        arc: 0.0,
+        residual: walk.here().residual,
+    };
+    let control = diagram.control;
+    let mut tracer = Tracer {
+        mechanics,
+        index,
+        control,
+    };
+    let beyond = |before: &Knot, after: &Knot| beyond(scene, before, after);
+    let mut meetings: Vec<Meeting> = Vec::new();
+    let mut next = Some(("contact".to_owned(), Start::Point(first)));
+    while let Some((name, from)) = next {
+        // It may also come back to where it began.
+        let others: Vec<usize> = (0..meetings.len())
+            .filter(|i| !meetings[*i].joined)
+            .collect();
+        let states: Vec<State> = others.iter().map(|i| meetings[*i].state.clone()).collect();
+        if let Start::Meeting(knot) = &from {
+            for meeting in &mut meetings {
+                meeting.joined |= meeting.state == knot.state;
+            }
+        }
+        let ends = Ends {
+            others: &|_| states.clone(),
+            met: Ending::Joined,
+            about: 0.0,
+            beyond: &beyond,
+        };
+        let known = diagram.branches.len();
+        if let Some(which) = diagram.follow(&mut tracer, name, from, &ends, observe) {
+            meetings[others[which]].joined = true;
+        }
+        let new = diagram.branches[known..]
+            .iter()
+            .flat_map(|branch| &branch.points);
+        meetings.extend(new.filter_map(|point| left_by(point, control)));
+        // What leaves the symmetry of a part is found on the whole cell.
+        if part.is_even() && !meetings.is_empty() && !cancel.requested() {
+            *diagram = Diagram {
+                transforms: diagram.transforms,
+                control,
+                ..Diagram::default()
+            };
+            return on_uneven_ground(diagram, scene, Part::Whole, cancel, observe);
+        }
+        next = meetings
+            .iter()
+            .find(|meeting| !meeting.joined && !cancel.requested())
+            .map(|meeting| {
+                (
+                    format!("broken_{}", diagram.branches.len()),
+                    meeting.leave(),
+                )
+            });
+        if next.is_some() && diagram.branches.len() == BRANCHES {
+            let left = meetings.iter().filter(|meeting| !meeting.joined).count();
+            diagram.missing.push(format!(
+                "what leaves at {left} more places, beyond {BRANCHES} branches"
+            ));
+            break;
+        }
+    }
+    Ok(())
+}
+
+/// The point as one at which a branch leaves, if a piece that is stable at fixed u0 begins or ends
+/// there.
+fn left_by(point: &Point, control: Control) -> Option<Meeting> {
+    let leaves = point.kind == Kind::Bifurcation && point.bounds_stable(control);
+    (leaves && !point.mode.is_empty()).then(|| Meeting {
+        state: point.state.clone(),
+        mode: point.mode.clone(),
+        residual: point.residual,
+        joined: false,
+    })
+}
+
+/// True if the way between two knots leaves the range of the drive.
+fn beyond(scene: &Scene, before: &Knot, after: &Knot) -> bool {
+    let u0 = after.state.mean_displacement;
+    let below = match scene.drive.turn {
+        Turn::At(turn) => u0 < turn,
+        // In contact, and unloaded: there the loop turns.
+        Turn::ZeroLoad => {
+            before.state.stress > 0.0 && after.state.stress <= 0.0 && after.rate() < 0.0
+        }
+    };
+    below || u0 > scene.drive.start
 }

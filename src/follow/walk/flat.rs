@@ -1,0 +1,302 @@
+//! The flat state on flat ground, which is known everywhere: its increments, the way it gives way,
+//! and patterns that come out of it or go into it without a jump.
+//!
+//! Under a load also the body apart from the ground, on a stop of the machine. A load that pulls at a
+//! free body has no equilibrium: the body would fly off, and one that pushes would bring it back from
+//! any distance. The machine holds it where the ground is not felt any more; how far that is adds to
+//! the energy that a pull-off releases, load times way.
+
+use super::landing::EVENT;
+use super::{Barrier, Observed, Progress, Walk};
+use crate::follow::atlas::{Explorer, mixture, shares};
+use crate::follow::flat_branch::FlatBranch;
+use crate::follow::record::{Cause, Direction, JumpRecord};
+use crate::numerics::dense::norm;
+use crate::physics::control::Control;
+use crate::physics::indenter::Indenter;
+use crate::physics::pattern::Pattern;
+use crate::physics::system::System;
+use crate::physics::theory::flat_limits;
+use crate::scene::no_quarter;
+use crate::solver::mechanics::Mechanics;
+use crate::solver::method::{Cost, Equilibrium, Stiffness, Stop};
+use crate::solver::newton::{NewtonLimits, solve};
+use crate::solver::stability::random_smooth;
+use ndarray::Axis;
+use std::f64::consts::PI;
+
+/// How far beyond the end of the flat branch under a spring or a load, in units of the control, the
+/// release begins: as far as the end is uncertain.
+const BEYOND: f64 = 1e-9;
+/// Towards the end of the flat branch under a spring a small step of the stage is a long one of u0,
+/// and the work done is the integral over the states: where u0 goes so many times faster, it goes
+/// no farther than so many ranges.
+const SWIFT: f64 = 1.5;
+const FLAT_STEP: f64 = 0.02;
+/// Released energy, in gamma, from which nobody asks whether a landing on another pattern was a
+/// jump.
+const WEAK: f64 = 1e-2;
+/// How far before a limit, in ranges, a jump is told from a continuous transition: more than limits
+/// are uncertain.
+const APART: f64 = 3e-4;
+
+/// The flat body on the stop under the load `control`. Two transforms.
+pub(in crate::follow) fn apart(mechanics: &mut Mechanics, control: f64) -> Equilibrium {
+    let system = &mechanics.system;
+    let (law, length) = (*system.law(), system.equivalent_length());
+    let mut z = vec![0.0; system.dimension()];
+    z[0] = Control::stop(&law);
+    let mut at = mechanics.at(z, control);
+    // What is left of the load the stop bears.
+    at.gradient[0] = 0.0;
+    let residual = mechanics.residual(&at);
+    // The stop holds the mean; the softest wave is softened by no more than this.
+    let softest = at.fields.stiffness.fold(0.0, |least: f64, s| least.min(*s));
+    let mut state = Equilibrium::unmeasured(at, residual, Stop::Stable, Cost::default());
+    let stiffness = Stiffness {
+        value: PI / length,
+        error: -softest,
+    };
+    state.measured(stiffness, Vec::new());
+    state
+}
+
+impl Walk {
+    pub(super) fn step_flat(
+        &mut self,
+        flat: FlatBranch,
+        observe: &mut dyn FnMut(Observed),
+    ) -> Progress {
+        let next = self.next();
+        let gap = self.here.state.mean_displacement;
+        let (there, unstable) = match flat.at_control(gap, next) {
+            Ok(there) => (there, None),
+            Err((stable, unstable)) => (stable, Some(unstable)),
+        };
+        let reached = self.swift_step(gap, there, next);
+        let Some(unstable) = unstable.filter(|_| reached == there) else {
+            self.here = flat.state(self.system(), reached);
+            if reached == there {
+                // To the last bit, so that it is known to be there.
+                self.here.state.control = next;
+            }
+            self.accept(observe);
+            return Progress::Working;
+        };
+        if there != gap {
+            self.here = flat.state(self.system(), there);
+            self.accept(observe);
+        }
+        let at = self.system().uniform(unstable).state.control;
+        if flat.gives_way_as_a_block() {
+            // The control is largest, or least, at the end: beyond it there is no such state.
+            let beyond = BEYOND * self.unit();
+            return self.release_block(match self.direction {
+                Direction::Approach => at - beyond,
+                Direction::Retraction => at + beyond,
+            });
+        }
+        let landings = self.landings_from_flat(unstable);
+        if self.cancelled() {
+            return Progress::Cancelled;
+        }
+        let shares = shares(&landings);
+        let soft = self.soft_wave_to(&landings, shares.first().map(|most| most.pattern));
+        let contested = if shares.len() > 1 { shares } else { Vec::new() };
+        self.release_because(Cause::FlatLimit, Barrier::blind(at, soft), contested)
+    }
+
+    /// Lets the body go as a block where the control is `at`.
+    fn release_block(&mut self, at: f64) -> Progress {
+        let mut block = vec![0.0; self.system().dimension()];
+        block[0] = 1.0;
+        self.release_because(Cause::Fold, Barrier::blind(at, block), Vec::new())
+    }
+
+    /// How far the flat state goes at once on the way from a `gap` to another while the control
+    /// goes to `next`.
+    fn swift_step(&self, gap: f64, there: f64, next: f64) -> f64 {
+        let (way, longest) = (there - gap, FLAT_STEP * self.model.law.range);
+        let asked = (next - self.here.state.control).abs();
+        let is_swift = match self.control() {
+            Control::Displacement => false,
+            Control::Spring { .. } => way.abs() > SWIFT * asked,
+            Control::Load => true,
+        };
+        if is_swift && way.abs() > longest {
+            gap + longest.copysign(way)
+        } else {
+            there
+        }
+    }
+
+    /// Where each mixture of the soft waves leads from the flat state at `u0`, looked at on the
+    /// even quarter; empty where there is but one wave, or no such cell, or where they are not the
+    /// first waves along x and y.
+    fn landings_from_flat(&mut self, u0: f64) -> Vec<Pattern> {
+        let grid = *self.system().grid();
+        let first = self.model.body.is_softest_at_its_longest(&grid);
+        if grid.is_line() || no_quarter(grid.nx).is_some() || !first {
+            return Vec::new();
+        }
+        let law = *self.system().law();
+        let mut explorer = Explorer::new(
+            System::even(grid, law, &Indenter::Flat)
+                .with_body(self.model.body)
+                .with_control(self.control()),
+        );
+        explorer.mechanics.cancel = self.mechanics.cancel.clone();
+        let landings = explorer
+            .off_flat(u0)
+            .iter()
+            .map(|rest| rest.pattern)
+            .collect();
+        self.spent.looked += explorer.mechanics.transforms();
+        landings
+    }
+
+    /// A random mixture of the first waves that leads to `pattern`.
+    fn soft_wave_to(&mut self, landings: &[Pattern], pattern: Option<Pattern>) -> Vec<f64> {
+        loop {
+            let wave = self.random_soft_wave();
+            let field = self.mechanics.field(&wave);
+            let along = |axis: usize| {
+                let profile = field.mean_axis(Axis(axis)).expect("a mesh has points");
+                profile.iter().map(|v| v * v).sum::<f64>().sqrt()
+            };
+            // As if drawn from all that lead there.
+            if landings.get(mixture(along(0), along(1))).copied() == pattern {
+                return wave;
+            }
+        }
+    }
+
+    /// All waves of one length go soft together, the first of a half-space's cell; the seed mixes
+    /// them.
+    pub(super) fn random_soft_wave(&mut self) -> Vec<f64> {
+        let softest = self.system().stiffness_unit();
+        let mut z = random_smooth(&self.mechanics.system, &mut self.rng);
+        for (z, e) in z.iter_mut().zip(self.system().elastic()) {
+            if 2.0 * e > 1.1 * softest {
+                *z = 0.0;
+            }
+        }
+        let length = norm(&z);
+        z.iter_mut().for_each(|z| *z /= length);
+        z
+    }
+
+    /// True if a body at `u0` is on the stop, or has flown beyond it.
+    pub(super) fn is_apart(&self, u0: f64) -> bool {
+        self.control().is_apart(&self.model.law, u0)
+    }
+
+    /// One increment on the stop: it holds as long as the load does not push.
+    pub(super) fn step_apart(&mut self, observe: &mut dyn FnMut(Observed)) -> Progress {
+        let (next, touch) = (self.next(), self.here.state.stress);
+        if next > touch || next > self.here.state.control {
+            self.here = apart(&mut self.mechanics, next);
+            self.accept(observe);
+            return Progress::Working;
+        }
+        if self.here.state.control > touch {
+            self.here = apart(&mut self.mechanics, touch);
+            self.accept(observe);
+        }
+        self.release_block(touch - self.located_within())
+    }
+
+    /// True if the surface came to the present state, of another pattern, without a jump: then the
+    /// branch it is on goes over into the one it left, as at a supercritical bifurcation, and there
+    /// is no stable state of it at a distance before the limit. After a jump there is one, beside
+    /// the state that was left.
+    pub(super) fn is_continuous(
+        &mut self,
+        from: Pattern,
+        to: Pattern,
+        released: f64,
+        event: f64,
+    ) -> bool {
+        let weak = released < WEAK && (from == Pattern::Flat) != (to == Pattern::Flat);
+        let Some(flat) = self.flat.filter(|_| weak) else {
+            return false;
+        };
+        let side = if self.direction == Direction::Approach {
+            1.0
+        } else {
+            -1.0
+        };
+        if to == Pattern::Flat {
+            let before = self.here.state.mean_displacement + side * APART * self.model.law.range;
+            return !flat.is_stable(before);
+        }
+        let before = self.here.state.control + side * APART * self.unit();
+        // So soft a state is told from the flat one only by a small residual.
+        let limits = NewtonLimits {
+            tolerance: self.system().precision().floor().max(1e-10),
+            ..NewtonLimits::of(self.system())
+        };
+        // The state is taken already: this last question is answered even if somebody asks to stop.
+        let cancel = std::mem::take(&mut self.mechanics.cancel);
+        let pattern = self.here.state.amplitudes.clone();
+        let found = solve(&mut self.mechanics, pattern, before, limits);
+        self.mechanics.cancel = cancel;
+        match found.end {
+            Ok(()) => found.at.state.roughness() < 0.5 * self.here.state.roughness(),
+            Err(_) => released.abs() <= event,
+        }
+    }
+
+    /// True where the flat state is stable and `state` no more than a trace of a pattern on it,
+    /// which the tolerance lets be.
+    pub(super) fn is_as_good_as_flat(&self, state: &Equilibrium) -> bool {
+        let (at, law) = (state.state.mean_displacement, &self.model.law);
+        self.flat.is_some_and(|flat| flat.is_stable(at))
+            && (state.state.body_energy(self.control()) - law.at(at).energy).abs()
+                <= EVENT * law.surface_energy
+    }
+
+    /// Tells of a pattern that came out of the flat state, or went into it, on the way to the
+    /// present state without the branch having come to an end: the flat state has its limit in
+    /// between, on the stable side of which the surface is as good as flat.
+    pub(super) fn note_transition(&self, now: Pattern, observe: &mut dyn FnMut(Observed)) {
+        let Some(flat) = self.flat else { return };
+        let (a, b, law) = (&self.record, &self.here.state, &self.model.law);
+        let Some(limits) = flat_limits(law, self.model.equivalent_length) else {
+            return;
+        };
+        let passed = |limit: &f64| (a.mean_displacement < *limit) != (b.mean_displacement < *limit);
+        let Some(at) = [limits.0, limits.1].into_iter().find(passed) else {
+            return;
+        };
+        let leaves = flat.is_stable(a.mean_displacement);
+        let (stable, energy, pattern) = if leaves {
+            (a.mean_displacement, a.energy, now)
+        } else {
+            (b.mean_displacement, b.energy, a.pattern)
+        };
+        if (energy - law.at(stable).energy).abs() > EVENT * law.surface_energy
+            || pattern == Pattern::Flat
+        {
+            return;
+        }
+        let stress = law.at(at).traction;
+        let work = 0.5
+            * ((a.stress + stress) * (at - a.mean_displacement)
+                + (stress + b.stress) * (b.mean_displacement - at));
+        observe(Observed::Jump(JumpRecord {
+            direction: self.direction,
+            control: self.control().balanced(at, stress)[0],
+            mean_displacement: at,
+            mean_displacement_after: at,
+            from: if leaves { Pattern::Flat } else { pattern },
+            to: if leaves { pattern } else { Pattern::Flat },
+            stress_before: stress,
+            stress_after: stress,
+            released_energy: 0.0,
+            release_error: (a.energy + work - b.energy).abs() / law.surface_energy,
+            cause: Cause::Transition,
+            landings: Vec::new(),
+        }));
+    }
+}
