@@ -102,7 +102,8 @@ impl FlatBranch {
     }
 
     /// The gap of the flat state where the control has this `value`, on the way there from a stable
-    /// gap `from`; or where stability is lost on that way, as [`FlatBranch::limit_between`].
+    /// gap `from`; or where stability is lost on that way, as the last stable and the first unstable
+    /// double.
     pub fn at_control(&self, from: f64, value: f64) -> Result<f64, (f64, f64)> {
         if self.control == Control::Displacement {
             return self.limit_between(from, value).map_or(Ok(value), Err);

@@ -1,7 +1,7 @@
 //! The atlas of branches against the walk on the whole cell, and against itself on finer meshes.
 
 use crate::dense::Dense;
-use crate::loops::{assert_same_jumps, preset, preset_on, walked};
+use crate::loops::{assert_same_jumps, assert_stable, driven, preset, preset_on, walked};
 use crate::walk::fig2;
 use ndarray::Array2;
 use std::sync::OnceLock;
@@ -12,7 +12,7 @@ use tackscope::physics::control::Control;
 use tackscope::physics::law::{Law, Mie, Morse, Shape};
 use tackscope::physics::mesh::{Grid, mesh_error, mu_rho, next_fast};
 use tackscope::physics::theory::critical_length;
-use tackscope::scene::{Drive, Part, Points, Scene, Strategy, Turn};
+use tackscope::scene::{Part, Points, Scene, Strategy, Turn};
 use tackscope::solver::Stop;
 use tackscope::solver::sector::{Sector, Side};
 use tackscope::study::plan::plan;
@@ -101,13 +101,7 @@ fn atlas_and_walk_agree_on_the_states_between_the_jumps() {
 #[test]
 fn every_state_of_the_plan_is_converged_and_stable_and_its_ledger_closes() {
     let run = of_fig2();
-    for state in &run.record.states {
-        assert!(
-            state.stop == Stop::Stable && state.residual <= 1e-6,
-            "{state:?}"
-        );
-        assert!(state.stiffness_min > 0.0, "{state:?}");
-    }
+    assert_stable(run, 1e-6);
     let mismatch = run.record.work() / 0.15 / run.record.released_energy_sum() - 1.0;
     assert!(mismatch.abs() < 1e-3, "{mismatch}");
 }
@@ -116,12 +110,7 @@ fn every_state_of_the_plan_is_converged_and_stable_and_its_ledger_closes() {
 fn a_longer_cell_and_another_law_agree_with_the_walk_too() {
     let mut long = preset_on("fig2", Points::Square(96));
     long.cell.length = 512.0;
-    long.drive = Drive {
-        control: Default::default(),
-        start: 6.5,
-        turn: Turn::At(0.2),
-        step: 0.1,
-    };
+    let long = driven(long, Control::Displacement, [6.5, 0.2, 0.1]);
     // Under the walk's pattern a mesh point lies in the centre, under the atlas' none: their mesh
     // errors have opposite signs.
     assert_same(
@@ -133,12 +122,7 @@ fn a_longer_cell_and_another_law_agree_with_the_walk_too() {
     let mut mie = preset_on("fig2", Points::Square(64));
     mie.law.shape = Shape::Mie(Mie { m: 8.0, n: 2.0 });
     mie.cell.length = 60.0;
-    mie.drive = Drive {
-        control: Default::default(),
-        start: 4.0,
-        turn: Turn::At(1.01),
-        step: 0.05,
-    };
+    let mut mie = driven(mie, Control::Displacement, [4.0, 1.01, 0.05]);
     // On this flat ground the perturbation chooses between bulge and ridge: some seed makes the
     // walk choose as the atlas did.
     let atlas = planned(&mie).record.jumps;
@@ -242,27 +226,15 @@ fn mesh_error_falls_exponentially_and_stays_below_what_is_predicted() {
 
 /// The scene of Fig. 2 under a spring of this stiffness, from flat to flat and back.
 fn sprung(stiffness: f64) -> Scene {
-    let mut scene = preset("fig2");
-    scene.drive = Drive {
-        control: Control::Spring { stiffness },
-        start: 9.0,
-        turn: Turn::At(-6.0),
-        step: 0.25,
-    };
-    scene
+    let spring = Control::Spring { stiffness };
+    driven(preset("fig2"), spring, [9.0, -6.0, 0.25])
 }
 
 /// All kinds of machine: a spring under which every pattern is met, those that skip the bulge and
 /// the ridge, one under which the flat state falls as a block, and a load.
 #[test]
 fn atlas_and_walk_agree_under_springs_and_a_load() {
-    let mut load = preset("fig2");
-    load.drive = Drive {
-        control: Control::Load,
-        start: 0.12,
-        turn: Turn::At(-0.05),
-        step: 0.01,
-    };
+    let load = driven(preset("fig2"), Control::Load, [0.12, -0.05, 0.01]);
     let springs = [1e6, 10.0, 0.3, 0.05, 0.02, 0.01].map(sprung);
     for scene in springs.into_iter().chain([load]) {
         let (atlas, walk) = (planned(&scene), walked(&scene, Part::Quarter));

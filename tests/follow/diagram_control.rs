@@ -1,9 +1,9 @@
 //! The diagram under a spring or a load: the same equilibria, other indices, folds and equal
 //! energies.
 
-use crate::control::{driven, soft, sprung, tip};
+use crate::control::{soft, sprung, tip};
 use crate::diagram::{branch, dense_indices, diagram, events, modes_are_as_many_as_the_index};
-use crate::loops::{flat_ground, reach, start, walked};
+use crate::loops::{driven, flat_ground, reach, start, walked};
 use std::f64::consts::PI;
 use tackscope::follow::diagram::{Branch, Diagram, Kind};
 use tackscope::follow::record::{Cause, JumpRecord};

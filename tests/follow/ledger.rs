@@ -1,20 +1,20 @@
 //! The ledger of loops: the loss is the sum of releases and within its error; the integral is its
 //! check; a loop that does not close has none.
 
-use crate::loops::{planned, preset, preset_on, start, walked};
+use crate::loops::{driven, on, planned, preset, preset_on, start, walked};
 use nalgebra::{DMatrix, DVector};
 use std::f64::consts::PI;
 use tackscope::follow::record::{Cause, Direction, JumpRecord, LoopRecord};
 use tackscope::follow::run::{Outcome, run_loop};
-use tackscope::follow::walk::{Observed, Progress, Stuck, WalkOptions};
+use tackscope::follow::walk::{Observed, Progress, Stuck};
 use tackscope::numerics::threads::Cancel;
+use tackscope::physics::control::Control;
 use tackscope::physics::indenter::{Hertz, Indenter};
 use tackscope::physics::law::{Law, Mie, Morse, Shape};
 use tackscope::physics::pattern::Pattern;
 use tackscope::physics::theory::flat_limits;
-use tackscope::scene::{Drive, Part, Points, Scene, Turn};
+use tackscope::scene::{Part, Points, Scene, Turn};
 use tackscope::solver::Stop;
-use tackscope::solver::methods::MethodKind;
 
 /// A line cell of 64 points and `ratio` L_c, its law and its length.
 fn line(shape: Shape, ratio: f64) -> (Scene, Law, f64) {
@@ -313,27 +313,11 @@ fn a_drive_never_starts_from_a_state_that_is_unstable_or_not_found() {
         (tip.clone(), -60.0),
         (tip, -400.0),
     ] {
-        let mut scene = preset_on("fig2", Points::Square(16));
-        (scene.indenter, scene.drive) = (
-            indenter.clone(),
-            Drive {
-                control: Default::default(),
-                start,
-                turn: Turn::At(start - 0.1),
-                step: 0.02,
-            },
-        );
+        let scene = preset_on("fig2", Points::Square(16));
+        let mut scene = driven(scene, Control::Displacement, [start, start - 0.1, 0.02]);
+        scene.indenter = indenter.clone();
         for part in [Part::Quarter, Part::Whole] {
-            let run = run_loop(
-                &scene,
-                WalkOptions {
-                    part,
-                    ..MethodKind::NewtonKrylov.into()
-                },
-                &Cancel::default(),
-                &mut |_| {},
-            )
-            .unwrap();
+            let run = run_loop(&scene, on(part), &Cancel::default(), &mut |_| {}).unwrap();
             let first = &run.record.states[0];
             let sound =
                 first.stop == Stop::Stable && first.stress.is_finite() && first.energy.is_finite();

@@ -1,17 +1,16 @@
 //! Loops on wavy and rough ground: they close, their ledger closes, nothing gains energy, and parts
 //! of the cell agree with the whole.
 
-use crate::loops::{preset, preset_on, reach, start, walked};
+use crate::loops::{accounts, assert_stable, on, preset, preset_on, reach, start, walked};
 use std::sync::OnceLock;
 use tackscope::follow::record::{Direction, StateRecord};
 use tackscope::follow::run::{LoopRun, Outcome, run_loop};
-use tackscope::follow::walk::{Walk, WalkOptions};
+use tackscope::follow::walk::Walk;
 use tackscope::numerics::threads::Cancel;
 use tackscope::paper::measured_law::MeasuredLaw;
 use tackscope::physics::indenter::{Indenter, Wave};
 use tackscope::scene::{Part, Points, Range, Scene, Strategy, Turn};
 use tackscope::solver::Stop;
-use tackscope::solver::methods::MethodKind;
 use tackscope::study::plan::plan;
 
 /// The loops of the presets on uneven ground, computed once for all tests.
@@ -32,23 +31,10 @@ fn none_gains(run: &LoopRun) {
     assert!(jumps.iter().all(|j| j.released_energy >= 0.0), "{jumps:?}");
 }
 
-/// The loop integral and the sum of releases, in gamma.
-fn accounts(scene: &Scene, run: &LoopRun) -> (f64, f64) {
-    let work = run.record.work() / scene.law.surface_energy;
-    (work, run.record.released_energy_sum())
-}
-
 #[test]
 fn every_state_is_a_stable_equilibrium_and_no_jump_gains_energy() {
     for (scene, run) in loops() {
-        for state in &run.record.states {
-            assert_eq!(state.stop, Stop::Stable, "{}: {state:?}", scene.title);
-            assert!(
-                state.residual <= 1e-6 && state.stiffness_min >= 0.0,
-                "{}: {state:?}",
-                scene.title
-            );
-        }
+        assert_stable(run, 1e-6);
         assert!(run.record.jumps.len() >= 10, "{}", scene.title);
         none_gains(run);
     }
@@ -199,17 +185,8 @@ fn rough_ground_and_several_crests_are_left_to_the_whole_cell_and_one_to_its_qua
         "{}",
         asked.words()
     );
-    let refused = Walk::start(
-        &scene,
-        WalkOptions {
-            part: Part::Quarter,
-            ..MethodKind::NewtonKrylov.into()
-        },
-        &Cancel::default(),
-    )
-    .err()
-    .unwrap()
-    .to_string();
+    let refused = Walk::start(&scene, on(Part::Quarter), &Cancel::default());
+    let refused = refused.err().unwrap().to_string();
     assert!(
         refused.contains("indenter.kind") && refused.contains("needs the whole"),
         "{refused}"
@@ -225,12 +202,7 @@ fn waves_along_x_alone_let_patterns_slide_along_y() {
     });
     scene.drive.step = 0.05;
     let run = walked(&scene, Part::Whole);
-    assert!(
-        run.record
-            .states
-            .iter()
-            .all(|state| state.stop == Stop::Stable)
-    );
+    assert_stable(&run, 1e-6);
     // A translation along y costs nothing: were it not left out, it would be taken for an
     // instability wherever a neck has formed.
     assert!(run.record.jumps.len() < 12, "{:?}", run.record.jumps);
@@ -278,13 +250,7 @@ fn a_mesh_too_coarse_for_the_roughness_says_so_and_auto_chooses_one_that_is_not(
 fn the_search_for_the_first_state_obeys_a_stop() {
     let cancel = Cancel::default();
     cancel.request();
-    let run = run_loop(
-        &preset("rough"),
-        MethodKind::NewtonKrylov.into(),
-        &cancel,
-        &mut |_| {},
-    )
-    .unwrap();
+    let run = run_loop(&preset("rough"), on(Part::Whole), &cancel, &mut |_| {}).unwrap();
     assert_eq!(
         (run.outcome, run.record.states[0].stop),
         (Outcome::Cancelled, Stop::Cancelled)

@@ -1,13 +1,17 @@
 //! The walk on real scenes: which patterns, where they jump, and that the ledger closes.
 
-use crate::loops::{assert_same_jumps, preset, preset_on, reach, sequence, start, walked};
+use crate::loops::{
+    accounts, assert_same_jumps, assert_stable, driven, on, preset, preset_on, reach, sequence,
+    start, walked,
+};
 use std::sync::OnceLock;
 use tackscope::follow::record::{Cause, Direction};
 use tackscope::follow::run::{LoopRun, Outcome, run_loop};
 use tackscope::numerics::threads::Cancel;
+use tackscope::physics::control::Control;
 use tackscope::physics::pattern::Pattern::{self, Bulge, Dimple, Flat, Ridge};
 use tackscope::physics::theory::{critical_length, flat_limits, ridge};
-use tackscope::scene::{Part, Points, Scene, Turn};
+use tackscope::scene::{Part, Points, Scene};
 use tackscope::solver::Stop;
 use tackscope::solver::methods::MethodKind;
 use tackscope::storage::scene_file;
@@ -19,7 +23,7 @@ pub fn fig2() -> &'static LoopRun {
 }
 
 fn dissipated(run: &LoopRun, scene: &Scene) -> f64 {
-    run.record.work() / scene.law.surface_energy
+    accounts(scene, run).0
 }
 
 fn assert_same_loop(a: &LoopRun, b: &LoopRun, scene: &Scene, what: &str) {
@@ -57,22 +61,12 @@ fn flat_state_loses_stability_at_eq_8() {
 
 #[test]
 fn every_recorded_state_of_fig_2_is_a_stable_equilibrium() {
-    for state in &fig2().record.states {
-        assert_eq!(state.stop, Stop::Stable, "{state:?}");
-        assert!(
-            state.stiffness_min >= 0.0 && state.residual <= 1e-6,
-            "{state:?}"
-        );
-    }
+    assert_stable(fig2(), 1e-6);
 }
 
 #[test]
 fn released_energies_add_up_to_the_loop_integral_and_none_is_negative() {
-    let scene = preset("fig2");
-    let (work, released) = (
-        dissipated(fig2(), &scene),
-        fig2().record.released_energy_sum(),
-    );
+    let (work, released) = accounts(&preset("fig2"), fig2());
     assert!((work - released).abs() < 2e-3 * work, "{work} {released}");
     assert!(fig2().record.jumps.iter().all(|j| j.released_energy > 0.0));
 }
@@ -192,11 +186,10 @@ fn a_cell_below_the_critical_length_has_no_hysteresis() {
 fn deviation_from_the_exact_ridge(length: f64, points: usize) -> f64 {
     let mut scene = preset_on("ridge-line", Points::Line(points));
     scene.cell.length = length;
-    scene.drive.start = 0.75 * (0.15 * length).sqrt();
-    scene.drive.turn = Turn::At(0.2);
-    scene.drive.step = scene.drive.start / 200.0;
-    let run = walked(&scene, Part::Whole);
     let unit = (0.15 * length).sqrt();
+    let start = 0.75 * unit;
+    let scene = driven(scene, Control::Displacement, [start, 0.2, start / 200.0]);
+    let run = walked(&scene, Part::Whole);
     let ridges = run.record.states.iter().filter(|s| s.pattern == Ridge);
     let deviations: Vec<f64> = ridges
         .map(|s| {
@@ -225,18 +218,12 @@ fn line_cell_follows_the_exact_ridge_within_a_difference_that_shrinks_with_the_r
 #[test]
 fn a_cancelled_loop_keeps_what_was_computed() {
     let (cancel, mut seen) = (Cancel::default(), 0);
-    let token = cancel.clone();
-    let run = run_loop(
-        &preset("fig2"),
-        MethodKind::NewtonKrylov.into(),
-        &cancel,
-        &mut |_| {
-            seen += 1;
-            if seen == 80 {
-                token.request();
-            }
-        },
-    )
+    let run = run_loop(&preset("fig2"), on(Part::Whole), &cancel, &mut |_| {
+        seen += 1;
+        if seen == 80 {
+            cancel.request();
+        }
+    })
     .unwrap();
     assert_eq!(run.outcome, Outcome::Cancelled);
     assert!(run.record.states.len() > 60);
@@ -244,18 +231,12 @@ fn a_cancelled_loop_keeps_what_was_computed() {
 
 #[test]
 fn a_walk_along_the_flat_state_obeys_a_stop_too() {
-    let mut scene = preset("fig2");
-    (scene.drive.start, scene.drive.turn, scene.drive.step) = (24.0, Turn::At(4.0), 2e-4);
+    let scene = driven(preset("fig2"), Control::Displacement, [24.0, 4.0, 2e-4]);
     let (cancel, mut seen) = (Cancel::default(), 0);
-    let run = run_loop(
-        &scene,
-        MethodKind::NewtonKrylov.into(),
-        &cancel,
-        &mut |_| {
-            seen += 1;
-            cancel.request();
-        },
-    )
+    let run = run_loop(&scene, on(Part::Whole), &cancel, &mut |_| {
+        seen += 1;
+        cancel.request();
+    })
     .unwrap();
     assert_eq!((run.outcome, seen), (Outcome::Cancelled, 1));
 }
@@ -315,7 +296,7 @@ fn a_trace_of_the_softest_modulation_on_a_ridge_is_not_taken_for_a_sliding_mode(
 fn a_coarse_mesh_jumps_where_the_continuum_does_not_and_its_ledger_still_closes() {
     let scene = preset("coarse-mesh");
     let run = walked(&scene, Part::Whole);
-    let (work, released) = (dissipated(&run, &scene), run.record.released_energy_sum());
+    let (work, released) = accounts(&scene, &run);
     assert!(run.record.jumps.len() > 50, "{}", run.record.jumps.len());
     assert!((work - released).abs() < 2e-3 * work, "{work} {released}");
     // More than a ridge of zero range can lose: no continuum does that.
@@ -325,7 +306,7 @@ fn a_coarse_mesh_jumps_where_the_continuum_does_not_and_its_ledger_still_closes(
 #[test]
 fn every_law_runs_the_four_patterns_on_flat_ground() {
     use tackscope::physics::law::{Cosine, DoubleExponential, Mie, Shape};
-    use tackscope::scene::{Drive, Range};
+    use tackscope::scene::Range;
     let shapes = [
         Shape::Mie(Mie { m: 8.0, n: 2.0 }),
         Shape::Cosine(Cosine { smooth: false }),
@@ -339,18 +320,14 @@ fn every_law_runs_the_four_patterns_on_flat_ground() {
         let model = scene.model().unwrap();
         let (lower, upper) = flat_limits(&model.law, model.grid.length).unwrap();
         let (rest, width) = (model.law.equilibrium_gap(), upper - lower);
-        scene.drive = Drive {
-            control: Default::default(),
-            start: upper + 0.7 * width,
-            turn: Turn::At(rest + 0.25 * (lower - rest)),
-            step: width / 100.0,
-        };
+        let (start, turn) = (upper + 0.7 * width, rest + 0.25 * (lower - rest));
+        let scene = driven(scene, Control::Displacement, [start, turn, width / 100.0]);
         let run = walked(&scene, Part::Whole);
         // Small mesh jumps within a pattern (the cosine law has them at its cut-off) are left out.
         let mut seen = sequence(&run, Direction::Approach);
         seen.dedup();
         assert_eq!(seen, [Flat, Bulge, Ridge, Dimple, Flat], "{shape:?}");
-        let (work, released) = (dissipated(&run, &scene), run.record.released_energy_sum());
+        let (work, released) = accounts(&scene, &run);
         assert!(
             (work - released).abs() < 5e-3 * work,
             "{shape:?}: {work} {released}"
@@ -372,7 +349,7 @@ fn a_hertzian_tip_jumps_into_contact_once_and_out_once() {
     let pull = run.pull_off().unwrap();
     let jkr = 1.5 * std::f64::consts::PI * 0.5859e-3;
     assert!((pull / jkr - 1.0).abs() < 0.1, "{}", pull / jkr);
-    let (work, released) = (dissipated(&run, &scene), run.record.released_energy_sum());
+    let (work, released) = accounts(&scene, &run);
     assert!((work - released).abs() < 1e-2 * work, "{work} {released}");
 }
 

@@ -6,11 +6,13 @@ use tackscope::follow::run::{LoopRun, Outcome, run_loop};
 use tackscope::follow::walk::{Observed, Progress, Walk, WalkOptions};
 use tackscope::numerics::threads::Cancel;
 use tackscope::physics::body::Body;
+use tackscope::physics::control::Control;
 use tackscope::physics::indenter::Indenter;
 use tackscope::physics::law::{Law, Shape};
 use tackscope::physics::pattern::Pattern;
 use tackscope::physics::theory::{critical_length, flat_limits};
 use tackscope::scene::{Cell, Drive, LawChoice, Part, Points, Range, Scene, Turn};
+use tackscope::solver::Stop;
 use tackscope::solver::methods::MethodKind;
 use tackscope::storage;
 use tackscope::study::plan::{plan, run_planned};
@@ -27,8 +29,20 @@ pub fn preset_on(name: &str, points: Points) -> Scene {
     scene
 }
 
+/// The same scene driven so: start, turn and step.
+pub fn driven(mut scene: Scene, control: Control, [start, turn, step]: [f64; 3]) -> Scene {
+    let turn = Turn::At(turn);
+    scene.drive = Drive {
+        control,
+        start,
+        turn,
+        step,
+    };
+    scene
+}
+
 /// By Newton-Krylov on this part of the cell.
-fn on(part: Part) -> WalkOptions {
+pub fn on(part: Part) -> WalkOptions {
     WalkOptions {
         part,
         ..MethodKind::NewtonKrylov.into()
@@ -92,6 +106,21 @@ pub fn planned(scene: &Scene) -> LoopRun {
     let run = run_planned(scene, method, &plan, &Cancel::default(), &mut |_| {}).unwrap();
     assert_eq!(run.outcome, Outcome::Completed, "{}", scene.title);
     run
+}
+
+/// Holds every state of a loop to be a stable equilibrium within this residual.
+pub fn assert_stable(run: &LoopRun, residual: f64) {
+    for state in &run.record.states {
+        assert_eq!(state.stop, Stop::Stable, "{state:?}");
+        let good = state.residual <= residual && state.stiffness_min >= 0.0;
+        assert!(good, "{state:?}");
+    }
+}
+
+/// The loop integral and the sum of releases, in gamma.
+pub fn accounts(scene: &Scene, run: &LoopRun) -> (f64, f64) {
+    let work = run.record.work() / scene.law.surface_energy;
+    (work, run.record.released_energy_sum())
 }
 
 /// Holds the jumps of two loops to be the same ones, each within so much of the control.

@@ -1,7 +1,7 @@
 //! Every relaxation method behind the same walk: the same branches, the same jumps.
 
 use super::common::{N, fig2, looped};
-use crate::loops::{assert_same_jumps, sequence};
+use crate::loops::{assert_same_jumps, assert_stable, sequence};
 use tackscope::follow::record::Direction;
 use tackscope::physics::pattern::Pattern::{Bulge, Dimple, Flat, Ridge};
 use tackscope::solver::Stop;
@@ -28,13 +28,7 @@ fn descents_find_the_jumps_and_the_loss_that_newton_finds() {
             (loss / expected - 1.0).abs() < 1e-3,
             "{method:?}: {loss} {expected}"
         );
-        assert!(
-            run.record
-                .states
-                .iter()
-                .all(|s| s.stop == Stop::Stable && s.residual <= 1e-6),
-            "{method:?}"
-        );
+        assert_stable(&run, 1e-6);
     }
 }
 
@@ -106,10 +100,7 @@ fn steps_of_a_quarter_range_skip_the_bulge_unless_the_method_locates_where_branc
         let run = looped(&scene, kind);
         assert_eq!(sequence(&run, Direction::Approach), down, "{kind:?}");
         assert_eq!(sequence(&run, Direction::Retraction), up, "{kind:?}");
-        assert!(
-            run.record.states.iter().all(|s| s.stop == Stop::Stable),
-            "{kind:?}"
-        );
+        assert_stable(&run, 1e-6);
     }
 }
 

@@ -8,12 +8,13 @@
 //! `assets/guide/stability.md`; without it a few small ones are looked at.
 
 use crate::dense::Dense;
+use crate::loops::on;
 use nalgebra::DMatrix;
 use rand::{Rng, SeedableRng, seq::IndexedRandom};
 use rand_pcg::Pcg64;
 use std::collections::BTreeMap;
 use tackscope::follow::record::StateRecord;
-use tackscope::follow::walk::{Observed, Progress, Walk, WalkOptions};
+use tackscope::follow::walk::{Observed, Progress, Walk};
 use tackscope::numerics::dense::dot;
 use tackscope::numerics::threads::Cancel;
 use tackscope::physics::body::Body;
@@ -21,7 +22,6 @@ use tackscope::physics::indenter::{Hertz, Indenter, Rough, Wave};
 use tackscope::physics::law::{Cosine, DoubleExponential, Law, Mie, Morse, Shape};
 use tackscope::scene::{Cell, Drive, LawChoice, Part, Points, Range, Scene, Turn};
 use tackscope::solver::Stop;
-use tackscope::solver::methods::MethodKind;
 
 /// mu_rho up to which it is always left out.
 const FREELY: f64 = 0.45;
@@ -187,14 +187,7 @@ fn random_scene(rng: &mut Pcg64, most: usize) -> (Scene, Part) {
 }
 
 fn audit(scene: &Scene, part: Part, tally: &mut Tally) {
-    let Ok(mut walk) = Walk::start(
-        scene,
-        WalkOptions {
-            part,
-            ..MethodKind::NewtonKrylov.into()
-        },
-        &Cancel::default(),
-    ) else {
+    let Ok(mut walk) = Walk::start(scene, on(part), &Cancel::default()) else {
         return;
     };
     let model = walk.model().clone();
