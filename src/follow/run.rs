@@ -23,7 +23,7 @@ pub struct LoopRun {
     pub landings: Vec<Landing>,
     /// Why it was not computed as it was meant to be, in words, if it was not.
     pub deviation: Option<String>,
-    /// Relative error of loss and jumps as a finer mesh tells it ([`crate::study::plan::error_bar`]);
+    /// Relative error of loss and jumps as a finer mesh tells it ([`crate::study::plan::run_planned`]);
     /// `None` unless it was asked.
     pub error_bar: Option<f64>,
     /// The loops of other landings, if it is contested where the surface lands.

@@ -83,6 +83,26 @@ pub fn each<T: Send>(tasks: impl ExactSizeIterator<Item = T>, work: impl Fn(T) +
     });
 }
 
+/// What `here` and `aside` give, the second on a thread of its own where there is more than one.
+///
+/// # Panics
+/// As they do.
+pub fn beside<A: Send, B>(aside: impl FnOnce() -> A + Send, here: impl FnOnce() -> B) -> (B, A) {
+    if rayon::current_num_threads() == 1 {
+        let first = here();
+        return (first, aside());
+    }
+    std::thread::scope(|scope| {
+        let aside = scope.spawn(aside);
+        let here = here();
+        let aside = aside.join();
+        (
+            here,
+            aside.unwrap_or_else(|fault| std::panic::resume_unwind(fault)),
+        )
+    })
+}
+
 /// Does `work` on these indices, begun in this order, as many at a time as there are threads, and
 /// returns what came of each, by growing index. They are threads of their own: what takes seconds
 /// must not stand before the transforms of somebody else.
@@ -129,6 +149,17 @@ mod tests {
             );
             assert!(results.into_iter().eq(0..count), "of {count}");
         }
+    }
+
+    #[test]
+    fn of_two_computations_each_comes_to_its_own_end() {
+        let mut count = 0;
+        let here = || {
+            count += 1;
+            "here"
+        };
+        assert_eq!(beside(|| 7, here), ("here", 7));
+        assert_eq!(count, 1);
     }
 
     #[test]

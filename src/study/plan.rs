@@ -15,7 +15,7 @@ use crate::follow::ledger::LOSS_MIN;
 use crate::follow::record::JumpRecord;
 use crate::follow::run::{LoopRun, Outcome, Report, RivalLoop, run_loop, walked_after_all};
 use crate::follow::walk::WalkOptions;
-use crate::numerics::threads::Cancel;
+use crate::numerics::threads::{Cancel, beside};
 use crate::physics::body::Body;
 use crate::physics::indenter::Indenter;
 use crate::physics::mesh::{self, next_fast};
@@ -275,11 +275,29 @@ pub fn run_planned(
     cancel: &Cancel,
     observe: &mut dyn FnMut(Report<'_>),
 ) -> Result<LoopRun, Refusal> {
-    let (mut run, model) = (
-        run_as_planned(scene, method, plan, cancel, observe)?,
-        scene.model()?,
-    );
-    run.error_bar = error_bar(scene, &model, &run, cancel);
+    let model = scene.model()?;
+    let mut here = || run_as_planned(scene, method, plan, cancel, observe);
+    let (mut run, finer) = if plan.strategy == Strategy::Atlas && is_judged(&model) {
+        let aside = cancel.part();
+        let (run, finer) = beside(
+            || finer_loops(scene, &model, &aside),
+            || {
+                let run = here();
+                let completed = |run: &LoopRun| run.outcome == Outcome::Completed;
+                if !run.as_ref().is_ok_and(completed) {
+                    aside.request();
+                }
+                run
+            },
+        );
+        (run?, Some(finer))
+    } else {
+        (here()?, None)
+    };
+    run.error_bar = error_bar(&model, &run, || {
+        finer.unwrap_or_else(|| finer_loops(scene, &model, cancel))
+    })
+    .filter(|_| !cancel.requested());
     run.rivals = rival_loops(scene, &model, &run, cancel);
     Ok(run)
 }
@@ -370,20 +388,25 @@ const FLOOR: f64 = 4e-6;
 /// sides.
 const WITHIN: f64 = 0.2;
 
-/// The relative error of loss and jumps of a loop that was completed on flat ground; `None` where a
-/// finer mesh cannot tell, or not in time. Where its jumps are not the same ones nothing can be
-/// promised: 1.
-pub fn error_bar(scene: &Scene, model: &Model, run: &LoopRun, cancel: &Cancel) -> Option<f64> {
-    let promised = flat_error(model) < 1.0;
+/// True where a finer mesh can tell the error of a loop.
+fn is_judged(model: &Model) -> bool {
+    model.indenter == Indenter::Flat && flat_error(model) < 1.0
+}
+
+/// The relative error of loss and jumps of a loop that was completed on flat ground, against those of
+/// the `finer` mesh; `None` where that cannot tell, or not in time. Where its jumps are not the same
+/// ones nothing can be promised: 1.
+fn error_bar(
+    model: &Model,
+    run: &LoopRun,
+    finer: impl FnOnce() -> Option<Vec<Vec<JumpRecord>>>,
+) -> Option<f64> {
     let ledger = run
         .ledger(model.law.surface_energy)
-        .filter(|ledger| !ledger.viscous)?;
+        .filter(|ledger| !ledger.viscous && is_judged(model))?;
     let loss = ledger.dissipated_energy()?;
-    if model.indenter != Indenter::Flat || !promised {
-        return None;
-    }
     // Where it is contested which of two loops it is, both meshes have both.
-    let error = finer_loops(scene, model, cancel)?
+    let error = finer()?
         .iter()
         .map(|jumps| measured_error(&run.record.jumps, jumps))
         .fold(1.0, f64::min);
@@ -392,7 +415,7 @@ pub fn error_bar(scene: &Scene, model: &Model, run: &LoopRun, cancel: &Cancel) -
     } else {
         0.0
     };
-    (!cancel.requested()).then_some(if error < 1.0 {
+    Some(if error < 1.0 {
         SAFETY * error + located + FLOOR
     } else {
         1.0
