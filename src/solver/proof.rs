@@ -86,7 +86,7 @@ impl Proof {
 
 /// True where no eigenvalue of the Hessian of a system of odd modes lies below `shift` beside the
 /// `removed` modes, because none of the even ones, of mean displacement zero, lies below `least`.
-/// False proves nothing. Two transforms a product, some ten of them.
+/// False proves nothing. Two transforms a product, of which there are nine to fourteen.
 ///
 /// An odd mode has no less energy than the even one with the same values on the quarter
 /// ([`System::orders_modes`]). Let A be the Hessian less the shift. Of odd modes w without a mean on
