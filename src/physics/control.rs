@@ -257,6 +257,16 @@ pub struct Fields {
     pub stiffness: Array2<f64>,
 }
 
+impl Fields {
+    /// All that a Hessian asks for: its `stiffness` gamma''; gap and traction are empty.
+    pub fn of(stiffness: Array2<f64>) -> Self {
+        Self {
+            stiffness,
+            ..Self::default()
+        }
+    }
+}
+
 /// A state with its derivatives: the force, and the fields of which the Hessian is made.
 #[derive(Clone, Debug)]
 pub struct Evaluation {

@@ -161,10 +161,5 @@ impl ClassProof {
 
 /// Amplitudes and mean of a gamma''.
 fn rates(mechanics: &mut Mechanics, stiffness: Array2<f64>) -> Rates {
-    let unused = || Array2::default((0, 0));
-    mechanics.rates(&Fields {
-        gap: unused(),
-        traction: unused(),
-        stiffness,
-    })
+    mechanics.rates(&Fields::of(stiffness))
 }

@@ -18,7 +18,7 @@ use crate::numerics::eigen::lowest;
 use crate::numerics::krylov::{CgEnd, CgLimits, conjugate_gradients};
 use crate::numerics::precision::Precision;
 use crate::physics::system::Fields;
-use ndarray::Array2;
+use ndarray::{Array2, Zip};
 use rand_distr::{Distribution, StandardNormal};
 use rand_pcg::Pcg64;
 
@@ -58,6 +58,13 @@ pub(super) enum Proved {
 }
 
 impl Proof {
+    /// These `fields` with gamma'' no larger than where it was proved: it is proved of them as it is
+    /// of the true ones.
+    pub fn weakened(&self, fields: &Fields) -> Fields {
+        let both = Zip::from(&self.stiffness).and(&fields.stiffness);
+        Fields::of(both.map_collect(|then, now| then.min(*now)))
+    }
+
     /// Below which no eigenvalue lies at another state of the same system, with these `fields` and
     /// `removed` modes (E* per length).
     ///
@@ -100,6 +107,19 @@ pub(super) fn odd_above(
     removed: &[Vec<f64>],
     [least, shift]: [f64; 2],
 ) -> bool {
+    let stiffest = fields.stiffness.fold(0.0, |most: f64, k| most.max(*k));
+    softened(mechanics, fields, stiffest, |mechanics| {
+        odd_solved(mechanics, fields, removed, [least, shift])
+    })
+}
+
+/// The same with the preconditioner at hand.
+fn odd_solved(
+    mechanics: &mut Mechanics,
+    fields: &Fields,
+    removed: &[Vec<f64>],
+    [least, shift]: [f64; 2],
+) -> bool {
     let Mechanics {
         system,
         preconditioner,
@@ -110,9 +130,9 @@ pub(super) fn odd_above(
     let room = least - shift;
     let mut ones = system.quarter(workspace);
     project_out(&mut ones, removed);
-    let mut softened = vec![0.0; ones.len()];
-    preconditioner.apply(&ones, &mut softened);
-    let energy = dot(&ones, &softened);
+    let mut guess = vec![0.0; ones.len()];
+    preconditioner.apply(&ones, &mut guess);
+    let energy = dot(&ones, &guess);
     let limits = CgLimits::new((ENOUGH * room * energy).sqrt() / norm(&ones), SOLVING);
     let mut shifted = |v: &[f64], out: &mut [f64]| {
         system.hessian(fields, v, out, workspace);
@@ -213,19 +233,26 @@ pub(super) fn prove_capped(
     [cap, shift]: [f64; 2],
     rng: &mut Pcg64,
 ) -> Proved {
-    let unused = || Array2::default((0, 0));
-    let capped = Fields {
-        gap: unused(),
-        traction: unused(),
-        stiffness: fields.stiffness.mapv(|stiffness| stiffness.min(cap)),
-    };
+    let capped = Fields::of(fields.stiffness.mapv(|stiffness| stiffness.min(cap)));
+    softened(mechanics, &capped, cap, |mechanics| {
+        prove(mechanics, &capped, removed, shift, rng)
+    })
+}
+
+/// What `work` finds with a preconditioner for these `fields`, whose gamma'' goes up to `cap`.
+fn softened<T>(
+    mechanics: &mut Mechanics,
+    fields: &Fields,
+    cap: f64,
+    work: impl FnOnce(&mut Mechanics) -> T,
+) -> T {
     let usual = mechanics.preconditioner.clone();
     let under = usual
         .clone()
         .with_stiffness(&mechanics.system, UNDER_CAP * cap);
     mechanics.preconditioner = under;
-    mechanics.refresh(&capped);
-    let proved = prove(mechanics, &capped, removed, shift, rng);
+    mechanics.refresh(fields);
+    let found = work(mechanics);
     mechanics.preconditioner = usual;
-    proved
+    found
 }

@@ -231,6 +231,11 @@ impl Tracker {
         })
     }
 
+    /// [`Proof::weakened`] of the last proof.
+    pub fn weakened(&self, fields: &Fields) -> Option<Fields> {
+        Some(self.proof.as_ref()?.weakened(fields))
+    }
+
     /// True where no odd mode at the even surface `z` lies below `shift` because no even one, of
     /// mean displacement zero, lies below `least` (E* per length; `[least, shift]`). False proves
     /// nothing.
@@ -238,12 +243,12 @@ impl Tracker {
         &mut self,
         mechanics: &mut Mechanics,
         z: &[f64],
-        fields: &Fields,
+        [fields, weakened]: [&Fields; 2],
         goals: [f64; 2],
     ) -> bool {
         let removed = mechanics.sliding_basis(z, fields);
         let before = mechanics.transforms();
-        let above = odd_above(mechanics, fields, &removed, goals);
+        let above = odd_above(mechanics, weakened, &removed, goals);
         self.spent += mechanics.transforms() - before;
         above
     }
