@@ -88,19 +88,18 @@ pub fn each<T: Send>(tasks: impl ExactSizeIterator<Item = T>, work: impl Fn(T) +
 /// # Panics
 /// As they do.
 pub fn beside<A: Send, B>(aside: impl FnOnce() -> A + Send, here: impl FnOnce() -> B) -> (B, A) {
-    if rayon::current_num_threads() == 1 {
+    let several = rayon::current_num_threads() > 1;
+    let pool = ThreadPoolBuilder::new().num_threads(1);
+    let Some(pool) = several.then(|| pool.build().ok()).flatten() else {
         let first = here();
         return (first, aside());
-    }
-    std::thread::scope(|scope| {
-        let aside = scope.spawn(aside);
-        let here = here();
-        let aside = aside.join();
-        (
-            here,
-            aside.unwrap_or_else(|fault| std::panic::resume_unwind(fault)),
-        )
-    })
+    };
+    let mut found = None;
+    let here = pool.in_place_scope(|scope| {
+        scope.spawn(|_| found = Some(aside()));
+        here()
+    });
+    (here, found.expect("the scope waits for it"))
 }
 
 /// Does `work` on these indices, begun in this order, as many at a time as there are threads, and
