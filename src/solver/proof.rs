@@ -96,7 +96,7 @@ impl Proof {
 /// False proves nothing. Two transforms a product, of which there are nine to fourteen.
 ///
 /// An odd mode has no less energy than the even one with the same values on the quarter
-/// ([`System::orders_modes`]). Let A be the Hessian less the shift. Of odd modes w without a mean on
+/// ([`orders_modes`](crate::physics::system::System::orders_modes)). Let A be the Hessian less the shift. Of odd modes w without a mean on
 /// the quarter, all directions but one, it is known therefore that w A w >= (least - shift) w^2. The
 /// direction left is that of A y = 1, for which w A y = 0: then A is positive if y A y is. With A y =
 /// 1 + e, a sum of y and w has no less energy than y A y - 2 |e| |w| + (least - shift) w^2, which is

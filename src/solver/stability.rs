@@ -231,7 +231,8 @@ impl Tracker {
         })
     }
 
-    /// [`Proof::weakened`] of the last proof.
+    /// These `fields` with gamma'' no larger than where the last proof was made, which holds of them as
+    /// of the true ones; `None` without one.
     pub fn weakened(&self, fields: &Fields) -> Option<Fields> {
         Some(self.proof.as_ref()?.weakened(fields))
     }
