@@ -402,7 +402,6 @@ impl Atlas {
         let (nodes, ends) = both_ways(sector, driven, first).map_err(lost)?;
         self.branches.push(Branch {
             pattern,
-            is_ridge: pattern == Pattern::Ridge,
             nodes,
             ends,
         });
@@ -435,7 +434,7 @@ impl Atlas {
             return Pattern::Flat;
         };
         let branch = &self.branches[i];
-        if branch.is_ridge {
+        if branch.is_ridge() {
             return Pattern::Ridge;
         }
         pattern_of(&mut self.square.mechanics, &branch.guess(u0), u0)
@@ -449,7 +448,7 @@ impl Atlas {
         }
     }
 
-    fn sector_mut(&mut self, pattern: Pattern) -> &mut Sector {
+    pub(super) fn sector_mut(&mut self, pattern: Pattern) -> &mut Sector {
         match pattern {
             Pattern::Ridge => &mut self.ridge,
             _ => &mut self.square,

@@ -189,6 +189,7 @@ impl FlatBranch {
 mod tests {
     use super::*;
     use crate::physics::law::{Cosine, DoubleExponential, Mie, Morse, Shape};
+    use crate::physics::theory::critical_length;
     use proptest::prelude::*;
 
     fn any_law() -> impl Strategy<Value = Law> {
@@ -211,7 +212,7 @@ mod tests {
         fn the_limit_on_the_way_is_where_a_scan_first_meets_an_unstable_gap(
             law in any_law(), periods in 1.01..30.0_f64, from in -1.0..12.0_f64, to in -1.0..12.0_f64,
         ) {
-            let length = periods * crate::physics::theory::critical_length(&law);
+            let length = periods * critical_length(&law);
             let branch = FlatBranch::new(law, length, Control::Displacement);
             let base = law.equilibrium_gap();
             let (from, to) = (base + from.abs() * law.range, base + to.abs() * law.range);
@@ -241,7 +242,7 @@ mod tests {
             law in any_law(), stiffness in -6.0..6.0_f64, from in 0.01..0.99_f64, value in -2.0..9.0_f64, kind in 1..3_usize,
         ) {
             let control = Control::all(10f64.powf(stiffness) / law.range)[kind];
-            let branch = FlatBranch::new(law, 3.0 * crate::physics::theory::critical_length(&law), control);
+            let branch = FlatBranch::new(law, 3.0 * critical_length(&law), control);
             let (rest, edge) = (law.equilibrium_gap(), law.contact_gap());
             let from = rest + from * (edge - rest) * 0.5;
             prop_assume!(branch.is_stable(from));

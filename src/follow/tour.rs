@@ -226,11 +226,8 @@ impl Tour<'_> {
         guess: Vec<f64>,
         before: Option<&Node>,
     ) -> Result<Measured, Unmapped> {
-        let sector = if self.atlas.branches[i].is_ridge {
-            &mut self.atlas.ridge
-        } else {
-            &mut self.atlas.square
-        };
+        let pattern = self.atlas.branches[i].pattern;
+        let sector = self.atlas.sector_mut(pattern);
         sector
             .measure(u0, guess, before, TOLERANCE)
             .map_err(|lost| Unmapped::at(u0, format!("the state was not found ({lost:?})")))
@@ -293,7 +290,7 @@ impl Tour<'_> {
             known,
             mut fields,
         } = self.found(i, before.as_ref(), record)?;
-        let (u0, is_ridge) = (record.mean_displacement, self.atlas.branches[i].is_ridge);
+        let (u0, is_ridge) = (record.mean_displacement, self.atlas.branches[i].is_ridge());
         let driven = self.atlas.meshes().control;
         let square = self.atlas.square.system();
         let z = carried(&node.state.amplitudes, self.atlas.system_of(i), square);

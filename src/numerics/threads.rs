@@ -83,23 +83,23 @@ pub fn each<T: Send>(tasks: impl ExactSizeIterator<Item = T>, work: impl Fn(T) +
     });
 }
 
-/// What `here` and `aside` give, the second on a thread of its own where there is more than one.
+/// What `aside` and `here` give, the first on a thread of its own where there is more than one.
 ///
 /// # Panics
 /// As they do.
-pub fn beside<A: Send, B>(aside: impl FnOnce() -> A + Send, here: impl FnOnce() -> B) -> (B, A) {
+pub fn beside<A: Send, B>(aside: impl FnOnce() -> A + Send, here: impl FnOnce() -> B) -> (A, B) {
     let several = rayon::current_num_threads() > 1;
     let pool = ThreadPoolBuilder::new().num_threads(1);
     let Some(pool) = several.then(|| pool.build().ok()).flatten() else {
-        let first = here();
-        return (first, aside());
+        let here = here();
+        return (aside(), here);
     };
     let mut found = None;
     let here = pool.in_place_scope(|scope| {
         scope.spawn(|_| found = Some(aside()));
         here()
     });
-    (here, found.expect("the scope waits for it"))
+    (found.expect("the scope waits for it"), here)
 }
 
 /// Does `work` on these indices, begun in this order, as many at a time as there are threads, and
@@ -157,7 +157,7 @@ mod tests {
             count += 1;
             "here"
         };
-        assert_eq!(beside(|| 7, here), ("here", 7));
+        assert_eq!(beside(|| 7, here), (7, "here"));
         assert_eq!(count, 1);
     }
 

@@ -7,10 +7,10 @@
 //! eigenvalue lies below t, but for a chance of [`CHANCE`], or a softer mode has been found.
 //!
 //! **The cap.** gamma'' is tens to thousands of times stiffer where the surface is pressed than the
-//! softest modes are, which hardly go there. A Hessian with a smaller gamma''
-//! has smaller eigenvalues: what is proved of one whose gamma'' is cut off above holds for the true
-//! one. Its spectrum does not grow with the pressure: over the tip at mu_rho = 0.5, whole cell, a
-//! proof takes 25 and 40 products at n = 64 and 128 where it took 42 and 84.
+//! softest modes are, which hardly go there. A Hessian with a smaller gamma'' has smaller
+//! eigenvalues: what is proved of one whose gamma'' is cut off above holds for the true one. Its
+//! spectrum does not grow with the pressure: over the tip at mu_rho = 0.5, whole cell, a proof takes
+//! 25 and 40 products at n = 64 and 128 where it took 42 and 84.
 
 use super::mechanics::Mechanics;
 use crate::numerics::dense::{add, dot, norm, products, project_out};
@@ -96,11 +96,12 @@ impl Proof {
 /// False proves nothing. Two transforms a product, of which there are nine to fourteen.
 ///
 /// An odd mode has no less energy than the even one with the same values on the quarter
-/// ([`orders_modes`](crate::physics::system::System::orders_modes)). Let A be the Hessian less the shift. Of odd modes w without a mean on
-/// the quarter, all directions but one, it is known therefore that w A w >= (least - shift) w^2. The
-/// direction left is that of A y = 1, for which w A y = 0: then A is positive if y A y is. With A y =
-/// 1 + e, a sum of y and w has no less energy than y A y - 2 |e| |w| + (least - shift) w^2, which is
-/// positive for all w if e^2 < (least - shift) y A y.
+/// ([`orders_modes`](crate::physics::system::System::orders_modes)). Let A be the Hessian less the
+/// shift. Of odd modes w without a mean on the quarter, all directions but one, it is known
+/// therefore that w A w >= (least - shift) w^2. The direction left is that of A y = 1, for which w A
+/// y = 0: then A is positive if y A y is. With A y = 1 + e, a sum of y and w has no less energy than
+/// y A y - 2 |e| |w| + (least - shift) w^2, which is positive for all w if e^2 < (least - shift) y A
+/// y.
 pub(super) fn odd_above(
     mechanics: &mut Mechanics,
     fields: &Fields,

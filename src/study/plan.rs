@@ -279,7 +279,7 @@ pub fn run_planned(
     let mut here = || run_as_planned(scene, method, plan, cancel, observe);
     let (mut run, finer) = if plan.strategy == Strategy::Atlas && is_judged(&model) {
         let aside = cancel.part();
-        let (run, finer) = beside(
+        let (finer, run) = beside(
             || finer_loops(scene, &model, &aside),
             || {
                 let run = here();

@@ -20,19 +20,10 @@ use tackscope::solver::stability::Tracker;
 const N: usize = 16;
 const PARITIES: [[bool; 2]; 4] = [[false, false], [true, false], [false, true], [true, true]];
 
-/// Fields with this gamma'', of which a Hessian needs no more.
-fn fields(stiffness: Array2<f64>) -> Fields {
-    Fields {
-        gap: stiffness.clone(),
-        traction: stiffness.clone(),
-        stiffness,
-    }
-}
-
 /// The Hessian of a `system`, column by column. Amplitudes that belong to no real field are left at
 /// zero.
 fn dense(system: &System, stiffness: &Array2<f64>) -> DMatrix<f64> {
-    let (n, fields) = (system.dimension(), fields(stiffness.clone()));
+    let (n, fields) = (system.dimension(), Fields::of(stiffness.clone()));
     let (mut workspace, mut image) = (system.workspace(), vec![0.0; n]);
     let mut matrix = DMatrix::zeros(n, n);
     for column in 0..n {
@@ -82,7 +73,7 @@ fn most_below(
     let mut workspace = even.workspace();
     let mut amplitudes = |stiffness: Array2<f64>| {
         let mut out = vec![0.0; even.dimension()];
-        let mean = even.stiffness_amplitudes(&fields(stiffness), &mut out, &mut workspace);
+        let mean = even.stiffness_amplitudes(&Fields::of(stiffness), &mut out, &mut workspace);
         (out, mean)
     };
     let (once, mean) = amplitudes(stiffness.clone());
@@ -133,7 +124,7 @@ proptest! {
     ) {
         // Under a load the mean is a mode like the others.
         let even = even(Body::HalfSpace).with_control(Control::Load);
-        let fields = fields(stiffness(&numbers, false));
+        let fields = Fields::of(stiffness(&numbers, false));
         let mode = stiffness(&values, false);
         let energy = |odd: [bool; 2]| {
             let system = if odd == [false; 2] { even.clone() } else { System::odd(&even, odd) };
@@ -175,7 +166,7 @@ proptest! {
             let softest = |stiffness| eigenvalues(dense(&system, stiffness))[0];
             let (softest, real) = (softest(&weak), softest(&quarter));
             let mut mechanics = Mechanics::new(system, Slides::Never);
-            let ([fields, weakened], flat) = ([&quarter, &weak].map(|k| fields(k.clone())), vec![0.0; even.dimension()]);
+            let ([fields, weakened], flat) = ([&quarter, &weak].map(|k| Fields::of(k.clone())), vec![0.0; even.dimension()]);
             let mut tracker = Tracker::new(Pcg64::seed_from_u64(1));
             let above = tracker.odd_above(&mut mechanics, &flat, [&fields, &weakened], [least, shift]);
             prop_assert!(!above || real >= shift - 1e-12);

@@ -24,8 +24,6 @@ pub enum End {
 pub struct Branch {
     /// Its pattern.
     pub pattern: Pattern,
-    /// True for states of the line problem.
-    pub is_ridge: bool,
     /// By growing u0; the first and the last are the ends.
     pub nodes: Vec<Node>,
     /// How it ends below and above.
@@ -44,6 +42,11 @@ pub struct Point {
 }
 
 impl Branch {
+    /// True for states of the line problem.
+    pub fn is_ridge(&self) -> bool {
+        self.pattern == Pattern::Ridge
+    }
+
     /// u0 of the lower and the upper end (length).
     pub fn extent(&self) -> (f64, f64) {
         (self.end(Side::Lower).u0(), self.end(Side::Upper).u0())

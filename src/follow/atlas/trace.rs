@@ -492,7 +492,6 @@ pub fn adapt(
     }
     Ok(Branch {
         pattern: old.pattern,
-        is_ridge: old.is_ridge,
         nodes,
         ends: old.ends,
     })

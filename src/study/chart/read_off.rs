@@ -77,7 +77,7 @@ fn states_of<'a>(
         Place::Flat(_) => (Pattern::Flat, Part::Flat),
         Place::On(i) => {
             let branch = &atlas.branches()[i];
-            let part = if branch.is_ridge {
+            let part = if branch.is_ridge() {
                 Part::Ridge
             } else {
                 Part::Quarter
