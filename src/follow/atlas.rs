@@ -10,7 +10,7 @@ mod explorer;
 mod read_off;
 mod trace;
 
-pub(super) use explorer::{Explorer, FLAT_KICK, KICK, mixture, shares};
+pub(super) use explorer::{Explorer, FLAT_KICK, Fall, KICK, angle};
 pub use read_off::{Branch, Cycle, End, Leg, Place, Point};
 pub(super) use read_off::{Support, Traversal};
 
@@ -29,6 +29,7 @@ use crate::solver::method::Lost;
 use crate::solver::sector::{Node, SHARP, Sector, Side};
 use explorer::{Rest, pattern_of};
 use std::fmt;
+use std::sync::Arc;
 use trace::{adapt, both_ways};
 
 /// What an atlas is made for.
@@ -56,6 +57,13 @@ impl Meshes {
             line: next_fast(n + n / 3),
             control: Control::Displacement,
         }
+    }
+
+    /// Points along a side of the cell in which a surface falls.
+    fn falls(&self) -> usize {
+        points_at(&self.law, self.length, SAFE)
+            .max(LEAST)
+            .min(self.square)
     }
 
     /// The same of a body that is driven by `control`.
@@ -122,12 +130,13 @@ pub struct Atlas {
     explorer: Explorer,
     flat: FlatBranch,
     cancel: Cancel,
-    pub(super) branches: Vec<Branch>,
+    /// Shared with the clones of the atlas.
+    pub(super) branches: Vec<Arc<Branch>>,
     /// Where the surface lands: lower and upper limit of the flat state, then lower and upper end
     /// of each branch.
     landings: Vec<[Option<Place>; 2]>,
     /// Where it may land from the lower and the upper limit of the flat state, most often first.
-    from_limits: [Vec<(Share, Rest)>; 2],
+    from_limits: [Vec<Fall>; 2],
 }
 
 impl Atlas {
@@ -140,7 +149,7 @@ impl Atlas {
             line,
             control,
         } = meshes;
-        let falls = points_at(&law, length, SAFE).max(LEAST).min(square);
+        let falls = meshes.falls();
         Self {
             meshes,
             ridge: Sector::ridge(length, line, law),
@@ -178,7 +187,7 @@ impl Atlas {
     }
 
     /// The branches found so far.
-    pub fn branches(&self) -> &[Branch] {
+    pub fn branches(&self) -> &[Arc<Branch>] {
         &self.branches
     }
 
@@ -252,18 +261,8 @@ impl Atlas {
     /// Where most mixtures of the soft modes lead from a limit `u0` of the flat state; all are
     /// remembered.
     fn off_flat(&mut self, side: Side, u0: f64) -> Rest {
-        let rests = self.explorer.off_flat(u0);
-        let shares = shares(&rests.iter().map(|rest| rest.pattern).collect::<Vec<_>>());
-        let first = |share: Share| {
-            let rest = rests
-                .iter()
-                .find(|rest| rest.pattern == share.pattern)
-                .cloned()
-                .expect("it was counted");
-            (share, rest)
-        };
-        let found: Vec<_> = shares.into_iter().map(first).collect();
-        let most = found[0].1.clone();
+        let found = self.explorer.off_flat(u0);
+        let most = found[0].rest.clone();
         self.from_limits[side.index()] = found;
         most
     }
@@ -278,7 +277,7 @@ impl Atlas {
         let mut cycles = Vec::new();
         for side in Side::BOTH {
             let all = self.from_limits[side.index()].clone();
-            for (share, rest) in if all.len() > 1 { all } else { Vec::new() } {
+            for Fall { share, rest, .. } in if all.len() > 1 { all } else { Vec::new() } {
                 let usual = self.landings[0][side.index()];
                 let from = self.end_state(Place::Flat(side.opposite()), side);
                 let cycle = self.settle(&from, rest).and_then(|place| {
@@ -296,7 +295,7 @@ impl Atlas {
     fn contested(&self, place: Place, side: Side) -> Vec<Share> {
         let all = &self.from_limits[side.index()];
         if matches!(place, Place::Flat(_)) && all.len() > 1 {
-            all.iter().map(|(share, _)| *share).collect()
+            all.iter().map(|fall| fall.share).collect()
         } else {
             Vec::new()
         }
@@ -400,11 +399,11 @@ impl Atlas {
             return Err(Unmapped::at(u0, format!("the {pattern} is unstable")));
         }
         let (nodes, ends) = both_ways(sector, driven, first).map_err(lost)?;
-        self.branches.push(Branch {
+        self.branches.push(Arc::new(Branch {
             pattern,
             nodes,
             ends,
-        });
+        }));
         self.landings.push([None; 2]);
         Ok(Place::On(self.branches.len() - 1))
     }
@@ -422,9 +421,23 @@ impl Atlas {
         if branch.nodes.iter().any(is_near) {
             return Ok(());
         }
-        let (guess, pattern) = (branch.guess(u0), branch.pattern);
-        let (node, _) = self.sector_mut(pattern).node(u0, guess, None, SHARP)?;
-        self.branches[i].insert(node);
+        self.pin_at(i, u0)
+    }
+
+    /// The same at `u0`. Near a fold the curve may be too far from the branch where the nearest node
+    /// is far away: then first where the surface is twice as far from the fold.
+    fn pin_at(&mut self, i: usize, u0: f64) -> Result<(), Lost> {
+        let pattern = self.branches[i].pattern;
+        let node = |this: &mut Self| {
+            let guess = this.branches[i].guess(u0);
+            this.sector_mut(pattern).node(u0, guess, None, SHARP)
+        };
+        let (node, _) = node(self).or_else(|lost| {
+            let farther = self.branches[i].farther_from_fold(u0).ok_or(lost)?;
+            self.pin_at(i, farther)?;
+            node(self)
+        })?;
+        Arc::make_mut(&mut self.branches[i]).insert(node);
         Ok(())
     }
 
@@ -465,16 +478,7 @@ impl Atlas {
         } = self.at(place, value);
         let mut z = match place {
             Place::Flat(_) => vec![0.0; onto.dimension()],
-            Place::On(i) if onto.is_even() => {
-                carried(&self.branches[i].guess(u0), self.system_of(i), onto)
-            }
-            Place::On(i) => {
-                let own = self.system_of(i);
-                let whole = System::whole(own);
-                let field = own.unfolded(&own.gap_field(&self.branches[i].guess(u0), 0.0));
-                let z = whole.amplitudes(&field, &mut whole.workspace());
-                carried(&z, &whole, onto)
-            }
+            Place::On(i) => carried(&self.branches[i].guess(u0), self.system_of(i), onto),
         };
         [_, z[0]] = self.meshes.control.balanced(u0, stress);
         z
@@ -483,6 +487,20 @@ impl Atlas {
     /// The mechanics of branch `i`.
     pub(super) fn system_of(&self, i: usize) -> &System {
         self.sector(self.branches[i].pattern).system()
+    }
+
+    /// The same branches on `n` points a side, if surfaces fall on the same mesh as in this one: then
+    /// they come to rest in the same patterns.
+    pub fn refined(&self, n: usize) -> Option<Self> {
+        let Meshes {
+            law,
+            length,
+            control,
+            ..
+        } = self.meshes;
+        let meshes = Meshes::new(&law, length, n).under(control);
+        let alike = meshes.falls() == self.meshes.falls();
+        alike.then(|| self.adapted(meshes).ok()).flatten()
     }
 
     /// The same branches for `meshes`, whose law and cell should differ by a few percent at most.
@@ -506,9 +524,16 @@ impl Atlas {
         for (i, old) in self.branches.iter().enumerate() {
             let (from, to) = (self.sector(old.pattern), new.sector_mut(old.pattern));
             let branch = adapt(old, &landings(i), meshes.control, from, to)?;
-            new.branches.push(branch);
+            new.branches.push(Arc::new(branch));
         }
         new.landings.clone_from(&self.landings);
+        new.from_limits.clone_from(&self.from_limits);
+        let (from, to) = (self.explorer.system(), new.explorer.system());
+        for Fall { rest, .. } in new.from_limits.iter_mut().flatten() {
+            if !rest.amplitudes.is_empty() {
+                rest.amplitudes = carried(&rest.amplitudes, from, to);
+            }
+        }
         for (place, side, i) in self.landed() {
             if matches!(place, Place::Flat(_)) && new.flat.limits().is_none() {
                 return Err(Lost::Gone);

@@ -1,17 +1,18 @@
 //! A loop of the atlas as a record: every increment a state solved, measured and watched, like the
-//! walk's.
+//! walk's. While one is proved stable the next is solved.
 
 use super::atlas::{Atlas, End, Leg, Place, Traversal, Unmapped};
-use super::record::{Direction, StateRecord};
+use super::record::{Direction, JumpRecord, StateRecord};
 use super::run::{Landing, LoopRun, Outcome, Report};
 use super::walk::flat::apart;
 use super::walk::symmetry::{Guard, Soft, slides_on};
-use crate::numerics::threads::Cancel;
+use crate::numerics::threads::{Cancel, handed_on};
 use crate::physics::pattern::{Pattern, classify, contact_area};
-use crate::physics::system::{System, carried};
+use crate::physics::system::{Fields, System, carried};
 use crate::scene::{Model, Part, Scene};
+use crate::solver::class_proof::Known;
 use crate::solver::mechanics::Mechanics;
-use crate::solver::method::{History, Stop, distance};
+use crate::solver::method::{History, Stiffness, Stop, distance};
 use crate::solver::sector::{Measured, Node};
 use ndarray::Array2;
 use std::time::Instant;
@@ -30,8 +31,8 @@ const ROUNDS: usize = 8;
 const NEXT: f64 = 1e-2;
 
 impl Atlas {
-    /// The closed loop of `scene` from its start to `turn` and back in the scene's steps, every
-    /// state solved and handed out.
+    /// The closed loop of `scene` from its start to its turning point and back in the scene's steps,
+    /// every state solved and handed out.
     ///
     /// # Errors
     /// A state that is not stable against all modes of the whole cell, or not found: the walk must
@@ -39,14 +40,10 @@ impl Atlas {
     pub fn tour(
         &mut self,
         scene: &Scene,
-        turn: f64,
         model: &Model,
         cancel: &Cancel,
         observe: &mut dyn FnMut(Report<'_>),
     ) -> Result<LoopRun, Unmapped> {
-        let law = model.law;
-        let start = scene.drive.start;
-        let mut traversal = Traversal::new(self, start, turn)?;
         self.obey(cancel);
         let mut whole = Mechanics::new(
             System::new(model.grid, model.law, &model.indenter).with_control(scene.control()),
@@ -54,68 +51,150 @@ impl Atlas {
         );
         whole.cancel = cancel.clone();
         let even = self.square.system().clone().with_control(scene.control());
+        let mut guard = Guard::new(&even, whole.slides, scene.seed);
+        guard.cancel = cancel.clone();
         let mut tour = Tour {
             atlas: self,
             model,
-            guard: Guard::new(&even, whole.slides, scene.seed),
             whole,
             last: None,
             history: History::default(),
             extrapolates: false,
         };
-        tour.guard.cancel = cancel.clone();
         let mut run = LoopRun::empty();
-        while let Some(leg) = traversal.leg(tour.atlas) {
-            let edge = traversal
-                .jumps_next()
-                .then_some(HAIR * scene.control().unit(&law));
-            for (i, value) in
-                stations(&leg, start, scene.drive.step, edge, tour.fold(&leg)).enumerate()
-            {
-                let told = tour.state(&leg, value);
-                if cancel.requested() {
-                    break;
+        let mut ended = None;
+        let points = even.dimension();
+        let solve = |hand_on: &mut dyn FnMut(Step) -> bool| tour.go_round(scene, cancel, hand_on);
+        let solved = handed_on(points, solve, |step| {
+            match step {
+                Step::Jump(jump) => {
+                    observe(Report::Jump(&jump));
+                    run.record.jumps.push(jump);
                 }
-                let (state, gap) = told?;
-                let half = (start - value) / (start - turn);
-                let fraction = 0.5
-                    * if leg.direction == Direction::Approach {
-                        half
-                    } else {
-                        2.0 - half
-                    };
-                observe(Report::State {
-                    record: &state,
-                    index: run.record.states.len(),
-                    fields: [&gap; 2],
-                    fraction,
-                });
-                run.counts.patterned_increments += usize::from(state.pattern != Pattern::Flat);
-                if i == 0 && leg.begins {
-                    run.landings.push(Landing {
-                        direction: state.direction,
-                        pattern: state.pattern,
-                        gap,
-                    });
-                }
-                run.record.states.push(state);
+                Step::State(found) => match found.proved(&mut guard, model.grid.length) {
+                    _ if cancel.requested() => ended = Some(Ok(Outcome::Cancelled)),
+                    Ok(found) => found.tell(&mut run, observe),
+                    Err(reason) => ended = Some(Err(reason)),
+                },
             }
-            let jump = traversal.jump(tour.atlas);
-            if cancel.requested() {
-                run.outcome = Outcome::Cancelled;
-                break;
-            }
-            if let Some(jump) = jump? {
-                observe(Report::Jump(&jump));
-                run.record.jumps.push(jump);
-            }
-        }
-        if run.outcome == Outcome::Completed {
-            traversal.closed()?;
-        }
-        (run.counts.transforms, run.counts.proof_transforms) =
-            (tour.transforms(), tour.guard.proof_transforms());
+            ended.is_none()
+        });
+        run.outcome = ended.unwrap_or(solved)?;
+        run.counts.proof_transforms = guard.proof_transforms();
+        run.counts.transforms = tour.transforms() + guard.transforms();
         Ok(run)
+    }
+}
+
+/// What a tour comes past.
+enum Step {
+    State(Box<Found>),
+    Jump(JumpRecord),
+}
+
+/// A state that was found.
+struct Found {
+    /// Without what is to be proved of it.
+    record: StateRecord,
+    gap: Array2<f64>,
+    /// Which share of the loop it ends.
+    fraction: f64,
+    /// True if a jump led to it.
+    is_landing: bool,
+    /// None where its stability is known in closed form.
+    evidence: Option<Evidence>,
+}
+
+/// What is known of a patterned state, of which more is to be proved.
+struct Evidence {
+    /// The softest of the modes that were looked at.
+    stiffness: Stiffness,
+    others: Others,
+    /// True for the first state of a branch.
+    begins: bool,
+    /// True where the branch ends.
+    at_end: bool,
+}
+
+/// The modes that were not looked at, with what it takes.
+enum Others {
+    None,
+    /// Those of a ridge whose u0 is free, with these amplitudes of the even cell at this control.
+    OfRidge(Vec<f64>, f64),
+    /// Those of a square state, beside the softest ones of its classes.
+    OfSquare(Vec<f64>, Box<Fields>, Vec<Known>),
+}
+
+impl Found {
+    /// The same with its smallest eigenvalue over all modes of the whole cell, of side `length`.
+    fn proved(mut self, guard: &mut Guard, length: f64) -> Result<Self, Unmapped> {
+        let Some(Evidence {
+            mut stiffness,
+            others,
+            begins,
+            at_end,
+        }) = self.evidence.take()
+        else {
+            return Ok(self);
+        };
+        let began = Instant::now();
+        let spent = guard.transforms();
+        if begins {
+            guard.reset();
+        }
+        let all = match &others {
+            Others::None => stiffness,
+            Others::OfRidge(z, control) => {
+                let fields = guard.fields(z, *control);
+                guard.check(Soft::Mode(stiffness.value, &[]), z, &fields)
+            }
+            Others::OfSquare(z, fields, known) => guard.check(Soft::Classes(known), z, fields),
+        };
+        let refusal = if all.value < 0.0 && !at_end {
+            Some("a mode goes soft that is not mirror-symmetric")
+        } else if all.value.is_nan() {
+            Some("the stability against all modes was not decided")
+        } else {
+            None
+        };
+        if let Some(why) = refusal {
+            return Err(Unmapped::at(self.record.mean_displacement, why));
+        }
+        if all.value >= 0.0 {
+            stiffness = stiffness.among(all);
+        }
+        let record = &mut self.record;
+        (record.stiffness_min, record.stiffness_error) =
+            (stiffness.value * length, stiffness.error * length);
+        // The residual is within tolerance, or there would be no state.
+        record.stop = if stiffness.is_stable() {
+            Stop::Stable
+        } else {
+            Stop::Unstable
+        };
+        record.transforms += guard.transforms() - spent;
+        record.milliseconds += began.elapsed().as_secs_f64() * 1e3;
+        Ok(self)
+    }
+
+    /// Hands it out, and adds it to the run.
+    fn tell(self, run: &mut LoopRun, observe: &mut dyn FnMut(Report<'_>)) {
+        let (state, gap) = (self.record, self.gap);
+        observe(Report::State {
+            record: &state,
+            index: run.record.states.len(),
+            fields: [&gap; 2],
+            fraction: self.fraction,
+        });
+        run.counts.patterned_increments += usize::from(state.pattern != Pattern::Flat);
+        if self.is_landing {
+            run.landings.push(Landing {
+                direction: state.direction,
+                pattern: state.pattern,
+                gap,
+            });
+        }
+        run.record.states.push(state);
     }
 }
 
@@ -123,7 +202,6 @@ impl Atlas {
 struct Tour<'a> {
     atlas: &'a mut Atlas,
     model: &'a Model,
-    guard: Guard,
     /// Of flat states.
     whole: Mechanics,
     /// Place and node of the state before.
@@ -136,7 +214,49 @@ struct Tour<'a> {
 
 impl Tour<'_> {
     fn transforms(&self) -> usize {
-        self.atlas.transforms().iter().sum::<usize>() + self.guard.transforms()
+        self.atlas.transforms().iter().sum()
+    }
+
+    /// Hands on each state and jump of the loop of `scene`, until one is not wanted.
+    fn go_round(
+        &mut self,
+        scene: &Scene,
+        cancel: &Cancel,
+        hand_on: &mut dyn FnMut(Step) -> bool,
+    ) -> Result<Outcome, Unmapped> {
+        let (start, turn, step) = (scene.drive.start, scene.depth(), scene.drive.step);
+        let mut traversal = Traversal::new(self.atlas, start, turn)?;
+        while let Some(leg) = traversal.leg(self.atlas) {
+            let edge = traversal
+                .jumps_next()
+                .then_some(HAIR * scene.control().unit(&self.model.law));
+            for (i, value) in stations(&leg, start, step, edge, self.fold(&leg)).enumerate() {
+                let found = self.state(&leg, value);
+                if cancel.requested() {
+                    return Ok(Outcome::Cancelled);
+                }
+                let mut found = found?;
+                let half = (start - value) / (start - turn);
+                let way = if leg.direction == Direction::Approach {
+                    half
+                } else {
+                    2.0 - half
+                };
+                (found.fraction, found.is_landing) = (0.5 * way, i == 0 && leg.begins);
+                if !hand_on(Step::State(Box::new(found))) {
+                    return Ok(Outcome::Cancelled);
+                }
+            }
+            let jump = traversal.jump(self.atlas);
+            if cancel.requested() {
+                return Ok(Outcome::Cancelled);
+            }
+            if let Some(jump) = jump? {
+                hand_on(Step::Jump(jump));
+            }
+        }
+        traversal.closed()?;
+        Ok(Outcome::Completed)
     }
 
     /// True if the leg runs into a fold.
@@ -150,8 +270,8 @@ impl Tour<'_> {
             || (leg.to == high && branch.ends[1] == End::Fold)
     }
 
-    /// The state of `leg` where the control has this `value`, with its gap field.
-    fn state(&mut self, leg: &Leg, value: f64) -> Result<(StateRecord, Array2<f64>), Unmapped> {
+    /// The state of `leg` where the control has this `value`.
+    fn state(&mut self, leg: &Leg, value: f64) -> Result<Found, Unmapped> {
         let began = Instant::now();
         let spent = self.transforms();
         let mut record = StateRecord {
@@ -159,15 +279,24 @@ impl Tour<'_> {
             control: value,
             ..StateRecord::placeholder(self.atlas.at(leg.place, value).mean_displacement)
         };
-        let gap = match leg.place {
-            Place::Flat(_) => self.flat(&mut record),
-            Place::On(i) => self.patterned(i, leg, &mut record)?,
+        let (gap, evidence) = match leg.place {
+            Place::Flat(_) => (self.flat(&mut record), None),
+            Place::On(i) => {
+                let (gap, evidence) = self.patterned(i, leg, &mut record)?;
+                (gap, Some(evidence))
+            }
         };
         record.stress_over_max = record.stress / self.model.law.traction_max();
         record.contact_area = contact_area(gap.view(), &self.model.law);
         record.transforms = self.transforms() - spent;
         record.milliseconds = began.elapsed().as_secs_f64() * 1e3;
-        Ok((record, gap))
+        Ok(Found {
+            record,
+            gap,
+            fraction: 0.0,
+            is_landing: false,
+            evidence,
+        })
     }
 
     fn flat(&mut self, record: &mut StateRecord) -> Array2<f64> {
@@ -272,8 +401,7 @@ impl Tour<'_> {
         i: usize,
         leg: &Leg,
         record: &mut StateRecord,
-    ) -> Result<Array2<f64>, Unmapped> {
-        let length = self.model.grid.length;
+    ) -> Result<(Array2<f64>, Evidence), Unmapped> {
         let before = self
             .last
             .take()
@@ -281,71 +409,44 @@ impl Tour<'_> {
             .map(|(_, node)| node);
         if before.is_none() {
             self.history = History::default();
-            self.guard.reset();
         }
         let Measured {
             node,
             residual,
-            mut stiffness,
+            stiffness,
             known,
-            mut fields,
+            fields,
         } = self.found(i, before.as_ref(), record)?;
         let (u0, is_ridge) = (record.mean_displacement, self.atlas.branches[i].is_ridge());
         let driven = self.atlas.meshes().control;
         let square = self.atlas.square.system();
-        let z = carried(&node.state.amplitudes, self.atlas.system_of(i), square);
+        let mut z = carried(&node.state.amplitudes, self.atlas.system_of(i), square);
         let gap = square.unfolded(&square.gap_field(&z, u0));
-        // Of a ridge at fixed u0 these are all modes already.
-        let all = if is_ridge && !driven.frees_mean() {
-            stiffness
-        } else {
-            let mut z = z;
-            let [control, mean] = driven.balanced(u0, node.state.stress);
-            z[0] = mean;
-            let soft = if is_ridge {
-                fields = self.guard.fields(&z, control);
-                Soft::Mode(stiffness.value, &[])
-            } else {
-                Soft::Classes(&known)
-            };
-            self.guard.check(soft, &z, &fields)
+        let control;
+        [control, z[0]] = driven.balanced(u0, node.state.stress);
+        let others = match (is_ridge, driven.frees_mean()) {
+            (true, false) => Others::None,
+            (true, true) => Others::OfRidge(z, control),
+            (false, _) => Others::OfSquare(z, Box::new(fields), known),
         };
-        let cancelled = self.guard.cancel.requested();
         // Right at an end the mesh of the whole cell may call it a hair sooner than that of the
         // branch.
         let edge = 2.0 * HAIR * driven.unit(&self.model.law);
-        let at_end = stiffness.value * length <= SOFT
+        let at_end = stiffness.value * self.model.grid.length <= SOFT
             || driven.frees_mean() && (record.control - leg.to).abs() <= edge;
-        if all.value < 0.0 && !at_end && !cancelled {
-            return Err(Unmapped::at(
-                u0,
-                "a mode goes soft that is not mirror-symmetric",
-            ));
-        }
-        if all.value.is_nan() && !cancelled {
-            return Err(Unmapped::at(
-                u0,
-                "the stability against all modes was not decided",
-            ));
-        }
-        if all.value >= 0.0 {
-            stiffness = stiffness.among(all);
-        }
         (record.stress, record.energy, record.residual) =
             (node.state.stress, node.state.energy, residual);
-        (record.stiffness_min, record.stiffness_error) =
-            (stiffness.value * length, stiffness.error * length);
         record.pattern = classify(gap.view(), &self.model.law, true);
         record.part = if is_ridge { Part::Ridge } else { Part::Quarter };
-        // The residual is within tolerance, or there would be no state.
-        record.stop = if stiffness.is_stable() {
-            Stop::Stable
-        } else {
-            Stop::Unstable
-        };
         self.history.push(&node.state);
         self.last = Some((Place::On(i), node));
-        Ok(gap)
+        let evidence = Evidence {
+            stiffness,
+            others,
+            begins: before.is_none(),
+            at_end,
+        };
+        Ok((gap, evidence))
     }
 }
 

@@ -5,8 +5,9 @@
 //! or a slice of a release) and hands out what happened. It works on any scene and is the reference
 //! for everything faster.
 
+use super::atlas::Fall;
 use super::flat_branch::FlatBranch;
-use super::record::{Cause, Direction, Share, StateRecord};
+use super::record::{Cause, Direction, StateRecord};
 use crate::numerics::dense::{dot, scale};
 use crate::numerics::precision::Precision;
 use crate::numerics::threads::Cancel;
@@ -121,8 +122,8 @@ struct Jumping {
     kick: f64,
     /// Energy of the state before, carried to the control of the jump.
     energy_before: f64,
-    /// Where kicks lead, if that is contested.
-    landings: Vec<Share>,
+    /// Where kicks lead from a limit of the flat state.
+    landings: Vec<Fall>,
 }
 
 /// The branch as far as it was followed.

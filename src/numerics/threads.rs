@@ -3,9 +3,10 @@
 //!
 //! Small fields stay on the caller's thread: waking another takes longer than their transform.
 
-use rayon::ThreadPoolBuilder;
+use rayon::{ThreadPool, ThreadPoolBuilder};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+use std::sync::mpsc::sync_channel;
 
 /// Shared request to stop; clones refer to the same flag.
 #[derive(Clone, Debug, Default)]
@@ -59,6 +60,9 @@ pub fn piece(points: usize) -> usize {
     }
 }
 
+/// States hold some fields of the whole cell each; with more of them in between nothing is gained.
+const WAITING: usize = 2;
+
 /// How many sets of working memory the transform of a field of `points` needs. Several per thread:
 /// one that is held up by other programs leaves its share to the rest.
 pub fn lanes(points: usize) -> usize {
@@ -83,14 +87,20 @@ pub fn each<T: Send>(tasks: impl ExactSizeIterator<Item = T>, work: impl Fn(T) +
     });
 }
 
+/// A thread beside the caller's, where there is more than one. Of its own: what takes seconds must
+/// not stand before the transforms of somebody else.
+fn another() -> Option<ThreadPool> {
+    let several = rayon::current_num_threads() > 1;
+    let pool = ThreadPoolBuilder::new().num_threads(1);
+    several.then(|| pool.build().ok()).flatten()
+}
+
 /// What `aside` and `here` give, the first on a thread of its own where there is more than one.
 ///
 /// # Panics
 /// As they do.
 pub fn beside<A: Send, B>(aside: impl FnOnce() -> A + Send, here: impl FnOnce() -> B) -> (A, B) {
-    let several = rayon::current_num_threads() > 1;
-    let pool = ThreadPoolBuilder::new().num_threads(1);
-    let Some(pool) = several.then(|| pool.build().ok()).flatten() else {
+    let Some(pool) = another() else {
         let here = here();
         return (aside(), here);
     };
@@ -102,9 +112,32 @@ pub fn beside<A: Send, B>(aside: impl FnOnce() -> A + Send, here: impl FnOnce() 
     (found.expect("the scope waits for it"), here)
 }
 
+/// What `make` returns, while `take` is given, in order, all that it hands on: at the same time where
+/// there is more than one thread, unless those are busy with fields of so many `points`. `take` ends
+/// it by false, which `make` is told when it hands on more.
+///
+/// # Panics
+/// As they do.
+pub fn handed_on<T: Send, R: Send>(
+    points: usize,
+    make: impl FnOnce(&mut dyn FnMut(T) -> bool) -> R + Send,
+    mut take: impl FnMut(T) -> bool,
+) -> R {
+    let Some(pool) = (points < POINTS_MIN).then(another).flatten() else {
+        return make(&mut take);
+    };
+    let (sender, receiver) = sync_channel(WAITING);
+    let mut made = None;
+    pool.in_place_scope(|scope| {
+        let made = &mut made;
+        scope.spawn(move |_| *made = Some(make(&mut |thing| sender.send(thing).is_ok())));
+        receiver.into_iter().all(take)
+    });
+    made.expect("the scope waits for it")
+}
+
 /// Does `work` on these indices, begun in this order, as many at a time as there are threads, and
-/// returns what came of each, by growing index. They are threads of their own: what takes seconds
-/// must not stand before the transforms of somebody else.
+/// returns what came of each, by growing index. They are threads of their own, like that of [`beside`].
 pub fn side_by_side<R: Send>(
     order: impl IntoIterator<Item = usize>,
     work: impl Fn(usize) -> R + Sync,
@@ -133,6 +166,23 @@ pub fn side_by_side<R: Send>(
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn what_is_handed_on_is_taken_in_order_until_either_side_ends_it() {
+        for points in [1, POINTS_MIN] {
+            for most in [0, 1, 5, 100] {
+                let mut taken = Vec::new();
+                let make = |hand_on: &mut dyn FnMut(usize) -> bool| (0..20).all(hand_on);
+                let all = handed_on(points, make, |i| {
+                    taken.push(i);
+                    taken.len() < most
+                });
+                let count = most.clamp(1, 20);
+                assert!(taken.into_iter().eq(0..count), "{most} at {points} points");
+                assert_eq!(all, most > 20, "{most} at {points} points");
+            }
+        }
+    }
 
     #[test]
     fn every_piece_of_work_is_done_once() {

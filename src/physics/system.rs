@@ -538,9 +538,14 @@ impl System {
     }
 }
 
-/// Amplitudes carried from one system to another of the same cell, both whole or both even: waves
-/// the other mesh lacks are dropped. A line becomes a square system's waves along x.
+/// Amplitudes carried from one system to another of the same cell, which is whole if the one is:
+/// waves the other mesh lacks are dropped. A line becomes a square system's waves along x.
 pub fn carried(z: &[f64], from: &System, to: &System) -> Vec<f64> {
+    if from.is_even() && !to.is_even() {
+        let (whole, gap) = (System::whole(from), from.gap_field(z, 0.0));
+        let z = whole.amplitudes(&from.unfolded(&gap), &mut whole.workspace());
+        return carried(&z, &whole, to);
+    }
     let mut out = vec![0.0; to.dimension()];
     let ((ny, nx), (my, mx)) = (from.shape(), to.shape());
     if from.is_even() {

@@ -263,6 +263,65 @@ pub(super) fn enclose(scene: &mut Scene, model: &Model) {
     scene.drive.start = scene.drive.start.max(far);
 }
 
+/// On what a loop runs.
+enum Way {
+    /// The branches of an atlas that has all of the loop.
+    Atlas(Box<Atlas>),
+    /// A walk on a part of the cell, with the reason where none was planned.
+    Walk(Part, Option<String>),
+}
+
+impl Way {
+    fn of(scene: &Scene, model: &Model, plan: &Plan, cancel: &Cancel) -> Self {
+        match plan.strategy {
+            Strategy::Walk(part) => Way::Walk(part, None),
+            Strategy::Atlas => {
+                went_round(scene, model, cancel).map_or_else(Way::after_all, Way::Atlas)
+            }
+        }
+    }
+
+    fn after_all(reason: Unmapped) -> Self {
+        Way::Walk(Part::Whole, Some(walked_after_all(&reason.to_string())))
+    }
+
+    fn run(
+        self,
+        scene: &Scene,
+        model: &Model,
+        method: MethodKind,
+        cancel: &Cancel,
+        observe: &mut dyn FnMut(Report<'_>),
+    ) -> Result<LoopRun, Refusal> {
+        match self {
+            Way::Atlas(mut atlas) => match atlas.tour(scene, model, cancel, observe) {
+                Ok(run) => Ok(run),
+                Err(reason) => Way::after_all(reason).run(scene, model, method, cancel, observe),
+            },
+            Way::Walk(part, because) => {
+                let options = WalkOptions {
+                    part,
+                    ..method.into()
+                };
+                let mut run = run_loop(scene, options, cancel, observe)?;
+                run.deviation = because.or(run.deviation);
+                Ok(run)
+            }
+        }
+    }
+}
+
+/// The atlas of the loop of `scene`, with all its branches and landings.
+fn went_round(scene: &Scene, model: &Model, cancel: &Cancel) -> Result<Box<Atlas>, Unmapped> {
+    let turn = scene
+        .turn_of_atlas()
+        .ok_or_else(|| Unmapped::anywhere(NO_TURN))?;
+    let mut atlas = Box::new(Atlas::of(scene, model));
+    atlas.obey(cancel);
+    atlas.cycle(scene.drive.start, turn)?;
+    Ok(atlas)
+}
+
 /// Runs the closed loop on the strategy of `plan`, with its error bar and the loops of other
 /// landings; where an atlas finds that it does not hold this scene, on the whole cell.
 ///
@@ -276,45 +335,43 @@ pub fn run_planned(
     observe: &mut dyn FnMut(Report<'_>),
 ) -> Result<LoopRun, Refusal> {
     let model = scene.model()?;
-    let mut here = || run_as_planned(scene, method, plan, cancel, observe);
-    let (mut run, finer) = if plan.strategy == Strategy::Atlas && is_judged(&model) {
-        let aside = cancel.part();
-        let (finer, run) = beside(
-            || finer_loops(scene, &model, &aside),
-            || {
-                let run = here();
-                let completed = |run: &LoopRun| run.outcome == Outcome::Completed;
-                if !run.as_ref().is_ok_and(completed) {
-                    aside.request();
-                }
-                run
-            },
-        );
-        (run?, Some(finer))
-    } else {
-        (here()?, None)
+    let way = Way::of(scene, &model, plan, cancel);
+    let mut known = match &way {
+        Way::Atlas(atlas) => Some(atlas.clone()),
+        Way::Walk(..) => None,
     };
+    let here = || way.run(scene, &model, method, cancel, observe);
+    let (finer, run) = match &mut known {
+        Some(known) if is_judged(&model) => {
+            let aside = cancel.part();
+            known.obey(&aside);
+            beside(
+                || Some(finer_loops(scene, &model, Some(known), &aside)),
+                || {
+                    let run = here();
+                    let completed = |run: &LoopRun| run.outcome == Outcome::Completed;
+                    if !run.as_ref().is_ok_and(completed) {
+                        aside.request();
+                    }
+                    run
+                },
+            )
+        }
+        _ => (None, here()),
+    };
+    let mut run = run?;
     run.error_bar = error_bar(&model, &run, || {
-        finer.unwrap_or_else(|| finer_loops(scene, &model, cancel))
+        finer.unwrap_or_else(|| finer_loops(scene, &model, None, cancel))
     })
     .filter(|_| !cancel.requested());
-    run.rivals = rival_loops(scene, &model, &run, cancel);
-    Ok(run)
-}
-
-/// The loops of other landings of a contested one.
-fn rival_loops(scene: &Scene, model: &Model, run: &LoopRun, cancel: &Cancel) -> Vec<RivalLoop> {
-    let Some(turn) = scene.turn_of_atlas() else {
-        return Vec::new();
-    };
-    if run.record.jumps.iter().all(|jump| jump.landings.is_empty()) {
-        return Vec::new();
+    let jumps = &run.record.jumps;
+    if jumps.iter().any(|jump| !jump.landings.is_empty())
+        && let Some(mut atlas) = known.or_else(|| went_round(scene, &model, cancel).ok())
+    {
+        atlas.obey(cancel);
+        run.rivals = rivals(&mut atlas, jumps, scene.drive.start, scene.depth());
     }
-    let mut atlas = Atlas::of(scene, model);
-    atlas.obey(cancel);
-    // Its landings are known once it has been round.
-    let _ = atlas.cycle(scene.drive.start, turn);
-    rivals(&mut atlas, &run.record.jumps, scene.drive.start, turn)
+    Ok(run)
 }
 
 /// The loops from `start` to `turn` and back that `atlas` knows beside the one with these `jumps`.
@@ -352,30 +409,8 @@ pub fn run_as_planned(
     cancel: &Cancel,
     observe: &mut dyn FnMut(Report<'_>),
 ) -> Result<LoopRun, Refusal> {
-    if let Strategy::Walk(part) = plan.strategy {
-        return run_loop(
-            scene,
-            WalkOptions {
-                part,
-                ..method.into()
-            },
-            cancel,
-            observe,
-        );
-    }
     let model = scene.model()?;
-    let mut atlas = Atlas::of(scene, &model);
-    let toured = match scene.turn_of_atlas() {
-        Some(turn) => atlas.tour(scene, turn, &model, cancel, observe),
-        None => Err(Unmapped::anywhere(NO_TURN)),
-    };
-    toured.or_else(|reason| {
-        let run = run_loop(scene, method.into(), cancel, observe)?;
-        Ok(LoopRun {
-            deviation: Some(walked_after_all(&reason.to_string())),
-            ..run
-        })
-    })
+    Way::of(scene, &model, plan, cancel).run(scene, &model, method, cancel, observe)
 }
 
 /// The measured difference is stated this many times larger: what a mesh of 4/3 times the points
@@ -422,10 +457,18 @@ fn error_bar(
     })
 }
 
-/// The jumps of the loop on the next finer mesh: read off an atlas, or walked where there is none.
-fn finer_loops(scene: &Scene, model: &Model, cancel: &Cancel) -> Option<Vec<Vec<JumpRecord>>> {
+/// The jumps of the loop on the next finer mesh, and those of other landings: read off an atlas, made
+/// from that of the loop if it is `known`, or walked where there is none.
+fn finer_loops(
+    scene: &Scene,
+    model: &Model,
+    known: Option<&Atlas>,
+    cancel: &Cancel,
+) -> Option<Vec<Vec<JumpRecord>>> {
     let finer = reference(scene, model);
-    if let Some(loops) = read_off(&finer, cancel) {
+    let from = known.and_then(|known| known.refined(finer.model().ok()?.grid.nx));
+    let told = from.and_then(|mut atlas| loops(&mut atlas, scene));
+    if let Some(loops) = told.or_else(|| read_off(&finer, cancel)) {
         return Some(loops);
     }
     let quarter = WalkOptions {
@@ -440,15 +483,17 @@ fn finer_loops(scene: &Scene, model: &Model, cancel: &Cancel) -> Option<Vec<Vec<
 /// landings; `None` if it has none.
 pub fn read_off(scene: &Scene, cancel: &Cancel) -> Option<Vec<Vec<JumpRecord>>> {
     let model = scene.model().ok()?;
-    let turn = scene.turn_of_atlas()?;
     if model.grid.is_line() {
         return None;
     }
-    let mut atlas = Atlas::of(scene, &model);
-    atlas.obey(cancel);
-    let usual = atlas.cycle(scene.drive.start, turn).ok()?.jumps;
+    loops(&mut *went_round(scene, &model, cancel).ok()?, scene)
+}
+
+fn loops(atlas: &mut Atlas, scene: &Scene) -> Option<Vec<Vec<JumpRecord>>> {
+    let (start, turn) = (scene.drive.start, scene.depth());
+    let usual = atlas.cycle(start, turn).ok()?.jumps;
     let contested = atlas
-        .contested_cycles(scene.drive.start, turn)
+        .contested_cycles(start, turn)
         .into_iter()
         .filter_map(|(_, cycle)| Some(cycle.ok()?.jumps));
     Some(std::iter::once(usual).chain(contested).collect())

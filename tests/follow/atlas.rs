@@ -4,7 +4,7 @@ use crate::dense::Dense;
 use crate::loops::{assert_same_jumps, assert_stable, driven, preset, preset_on, walked};
 use crate::walk::fig2;
 use ndarray::Array2;
-use std::sync::OnceLock;
+use std::sync::{Arc, OnceLock};
 use tackscope::follow::atlas::{Atlas, Branch, Cycle, End, Meshes};
 use tackscope::follow::record::{JumpRecord, StateRecord};
 use tackscope::follow::run::LoopRun;
@@ -301,7 +301,7 @@ fn a_spring_ends_a_branch_where_the_stage_turns_back() {
                 let ratio = (stage(0.02) - stage(0.0)) / (stage(0.01) - stage(0.0));
                 assert!((ratio - 4.0).abs() < 0.3, "{ratio}");
             } else {
-                let same = |other: &&Branch| {
+                let same = |other: &&Arc<Branch>| {
                     (other.pattern, other.ends[side.index()]) == (branch.pattern, end)
                 };
                 let other = stiff.branches().iter().find(same).unwrap().end(side);

@@ -40,6 +40,74 @@ fn every_seed_and_both_strategies_pass_the_same_patterns() {
 }
 
 #[test]
+fn next_to_a_saddle_every_part_of_the_cell_lands_where_most_mixtures_do() {
+    // The bulge is about to break where the first two reach it, and from the third four of ten
+    // seeds fell past it.
+    for (shape, periods, n) in [
+        (
+            Mie {
+                m: 5.3413,
+                n: 2.0916,
+            },
+            4.73,
+            80,
+        ),
+        (
+            Mie {
+                m: 9.3262,
+                n: 3.8394,
+            },
+            4.776,
+            64,
+        ),
+        (
+            Mie {
+                m: 10.3413,
+                n: 3.821,
+            },
+            4.153,
+            64,
+        ),
+    ] {
+        let first = |run: &LoopRun| run.record.jumps[0].to;
+        assert_eq!(
+            first(&planned(&scene(shape, periods, n, 1))),
+            Pattern::Bulge
+        );
+        for (part, seed) in [(Part::Quarter, 1), (Part::Quarter, 2), (Part::Whole, 3)] {
+            let run = walked(&scene(shape, periods, n, seed), part);
+            assert_eq!(
+                first(&run),
+                Pattern::Bulge,
+                "{shape:?}, {part:?}, seed {seed}"
+            );
+        }
+    }
+}
+
+#[test]
+fn a_bulge_that_lives_but_a_thousandth_of_a_range_is_read_off_an_atlas() {
+    // Its states are far from all others as they are close to a fold.
+    let scene = scene(
+        Mie {
+            m: 5.7877,
+            n: 3.7311,
+        },
+        4.765,
+        72,
+        1,
+    );
+    let run = planned(&scene);
+    assert_eq!(run.deviation, None);
+    let [.., ridge, bulge] = &run.record.jumps[..] else {
+        panic!("{:?}", run.record.jumps)
+    };
+    assert_eq!([ridge.to, bulge.to], [Pattern::Bulge, Pattern::Flat]);
+    let lives = bulge.mean_displacement - ridge.mean_displacement;
+    assert!(lives > 0.0 && lives < 1e-3, "{lives}");
+}
+
+#[test]
 fn fig_2_is_not_contested() {
     let run = planned(&crate::loops::flat_ground(
         Shape::Morse(Morse),

@@ -56,6 +56,17 @@ impl Rest {
     }
 }
 
+/// Where some mixtures of the soft modes lead from a limit of the flat state.
+#[derive(Clone, Debug)]
+pub struct Fall {
+    /// To what, and how many of all mixtures.
+    pub share: Share,
+    /// The mixture in the middle of them: next to those that lead elsewhere little decides.
+    pub mixture: usize,
+    /// Where that one comes to rest.
+    pub rest: Rest,
+}
+
 /// A quarter cell for releases.
 #[derive(Clone, Debug)]
 pub struct Explorer {
@@ -76,10 +87,10 @@ impl Explorer {
         &self.mechanics.system
     }
 
-    /// Where the flat state of gap `u0` comes to rest from each mixture of its soft modes, the
-    /// first waves along x and y. Where the purest, the evenest and one in between lead to the same,
-    /// so do those between them.
-    pub fn off_flat(&mut self, u0: f64) -> Vec<Rest> {
+    /// Where the flat state of gap `u0` comes to rest from the mixtures of its soft modes, the first
+    /// waves along x and y; most often first. Where the purest, the evenest and one in between lead
+    /// to the same, so do those between them.
+    pub fn off_flat(&mut self, u0: f64) -> Vec<Fall> {
         let flat = self.system().uniform(u0).state;
         let ny = self.system().shape().0;
         let mut from = |mixture: usize| {
@@ -95,7 +106,20 @@ impl Explorer {
             None if agree => seen[1].clone(),
             None => from(mixture),
         };
-        (0..MIXTURES).map(rest).collect()
+        let rests: Vec<Rest> = (0..MIXTURES).map(rest).collect();
+        let shares = shares(&rests.iter().map(|rest| rest.pattern).collect::<Vec<_>>());
+        let fall = |share: Share| {
+            let those = (0..MIXTURES).filter(|i| rests[*i].pattern == share.pattern);
+            let those: Vec<usize> = those.collect();
+            let mixture = those[those.len() / 2];
+            let rest = rests[mixture].clone();
+            Fall {
+                share,
+                mixture,
+                rest,
+            }
+        };
+        shares.into_iter().map(fall).collect()
     }
 
     /// Kicks the state `z` along the `mode`, to the side on which the energy is lower, and lets it
@@ -217,20 +241,13 @@ fn transpose(z: &mut [f64], n: usize) {
 
 /// The angle of a mixture: amplitudes cos and sin of it. x and y may be exchanged, so that an
 /// eighth of a turn is all.
-fn angle(mixture: usize) -> f64 {
+pub fn angle(mixture: usize) -> f64 {
     FRAC_PI_4 * (mixture as f64 + 0.5) / MIXTURES as f64
-}
-
-/// Which mixture amplitudes `x` and `y` belong to.
-pub fn mixture(x: f64, y: f64) -> usize {
-    let (x, y) = (x.abs(), y.abs());
-    let part = x.min(y).atan2(x.max(y)) / FRAC_PI_4 * MIXTURES as f64;
-    (part as usize).min(MIXTURES - 1)
 }
 
 /// The shares of what each mixture leads to, the largest first; of equal ones that of the purer
 /// wave.
-pub fn shares(landings: &[Pattern]) -> Vec<Share> {
+fn shares(landings: &[Pattern]) -> Vec<Share> {
     let mut shares: Vec<Share> = Vec::new();
     for &pattern in landings {
         let one = 1.0 / landings.len() as f64;
@@ -249,17 +266,6 @@ pub fn shares(landings: &[Pattern]) -> Vec<Share> {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn every_angle_belongs_to_its_mixture_and_so_do_its_mirror_images() {
-        for i in 0..MIXTURES {
-            let (y, x) = angle(i).sin_cos();
-            for (a, b) in [(x, y), (y, x), (-x, y), (x, -y)] {
-                assert_eq!(mixture(3.0 * a, 3.0 * b), i);
-            }
-        }
-        assert_eq!([mixture(1.0, 0.0), mixture(1.0, 1.0)], [0, MIXTURES - 1]);
-    }
 
     #[test]
     fn shares_add_up_and_the_largest_is_first() {

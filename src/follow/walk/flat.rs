@@ -8,21 +8,21 @@
 
 use super::landing::EVENT;
 use super::{Barrier, Observed, Progress, Walk};
-use crate::follow::atlas::{Explorer, mixture, shares};
+use crate::follow::atlas::{Explorer, Fall, angle};
 use crate::follow::flat_branch::FlatBranch;
 use crate::follow::record::{Cause, Direction, JumpRecord};
-use crate::numerics::dense::norm;
+use crate::numerics::dense::{norm, scale};
 use crate::physics::control::Control;
 use crate::physics::indenter::Indenter;
 use crate::physics::pattern::Pattern;
-use crate::physics::system::System;
+use crate::physics::system::{System, carried};
 use crate::physics::theory::flat_limits;
 use crate::scene::no_quarter;
 use crate::solver::mechanics::Mechanics;
 use crate::solver::method::{Cost, Equilibrium, Stiffness, Stop};
 use crate::solver::newton::{NewtonLimits, solve};
 use crate::solver::stability::random_smooth;
-use ndarray::Axis;
+use ndarray::{Array2, Axis};
 use std::f64::consts::PI;
 
 /// How far beyond the end of the flat branch under a spring or a load, in units of the control, the
@@ -100,10 +100,8 @@ impl Walk {
         if self.cancelled() {
             return Progress::Cancelled;
         }
-        let shares = shares(&landings);
-        let soft = self.soft_wave_to(&landings, shares.first().map(|most| most.pattern));
-        let contested = if shares.len() > 1 { shares } else { Vec::new() };
-        self.release_because(Cause::FlatLimit, Barrier::blind(at, soft), contested)
+        let soft = self.soft_wave_to(landings.first());
+        self.release_because(Cause::FlatLimit, Barrier::blind(at, soft), landings)
     }
 
     /// Lets the body go as a block where the control is `at`.
@@ -130,10 +128,10 @@ impl Walk {
         }
     }
 
-    /// Where each mixture of the soft waves leads from the flat state at `u0`, looked at on the
-    /// even quarter; empty where there is but one wave, or no such cell, or where they are not the
-    /// first waves along x and y.
-    fn landings_from_flat(&mut self, u0: f64) -> Vec<Pattern> {
+    /// Where mixtures of the soft waves lead from the flat state at `u0`, looked at on the even
+    /// quarter and laid out on the walk's cell; empty where there is but one wave, or no such cell,
+    /// or where they are not the first waves along x and y.
+    fn landings_from_flat(&mut self, u0: f64) -> Vec<Fall> {
         let grid = *self.system().grid();
         let first = self.model.body.is_softest_at_its_longest(&grid);
         if grid.is_line() || no_quarter(grid.nx).is_some() || !first {
@@ -146,29 +144,38 @@ impl Walk {
                 .with_control(self.control()),
         );
         explorer.mechanics.cancel = self.mechanics.cancel.clone();
-        let landings = explorer
-            .off_flat(u0)
-            .iter()
-            .map(|rest| rest.pattern)
-            .collect();
+        let mut landings = explorer.off_flat(u0);
+        for Fall { rest, .. } in &mut landings {
+            if !rest.amplitudes.is_empty() {
+                rest.amplitudes = carried(&rest.amplitudes, explorer.system(), self.system());
+                [_, rest.amplitudes[0]] = self.control().balanced(rest.mean_displacement, 0.0);
+            }
+        }
         self.spent.looked += explorer.mechanics.transforms();
         landings
     }
 
-    /// A random mixture of the first waves that leads to `pattern`.
-    fn soft_wave_to(&mut self, landings: &[Pattern], pattern: Option<Pattern>) -> Vec<f64> {
-        loop {
-            let wave = self.random_soft_wave();
-            let field = self.mechanics.field(&wave);
-            let along = |axis: usize| {
-                let profile = field.mean_axis(Axis(axis)).expect("a mesh has points");
-                profile.iter().map(|v| v * v).sum::<f64>().sqrt()
-            };
-            // As if drawn from all that lead there.
-            if landings.get(mixture(along(0), along(1))).copied() == pattern {
-                return wave;
-            }
-        }
+    /// The mixture of a `fall`, with random phases; any where none was looked at.
+    fn soft_wave_to(&mut self, fall: Option<&Fall>) -> Vec<f64> {
+        let wave = self.random_soft_wave();
+        let Some(Fall { mixture, .. }) = fall else {
+            return wave;
+        };
+        let field = self.mechanics.field(&wave);
+        let [x, y] = [0, 1].map(|axis| field.mean_axis(Axis(axis)).expect("a mesh has points"));
+        let [along_x, along_y] = [&x, &y].map(|wave| wave.dot(wave).sqrt());
+        let (less, more) = angle(*mixture).sin_cos();
+        let shares = if along_x < along_y {
+            [less, more]
+        } else {
+            [more, less]
+        };
+        let (x, y) = (x * (shares[0] / along_x), y * (shares[1] / along_y));
+        let mixed = Array2::from_shape_fn(field.dim(), |(j, i)| x[i] + y[j]);
+        let mut wave = self.mechanics.amplitudes(&mixed);
+        let length = norm(&wave);
+        scale(&mut wave, 1.0 / length);
+        wave
     }
 
     /// All waves of one length go soft together, the first of a half-space's cell; the seed mixes

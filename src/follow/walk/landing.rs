@@ -4,7 +4,7 @@
 use super::advance::FIRST;
 use super::flat::apart;
 use super::{Barrier, Behind, Jumping, Observed, Phase, Progress, Stuck, Walk};
-use crate::follow::atlas::{FLAT_KICK, KICK};
+use crate::follow::atlas::{FLAT_KICK, Fall, KICK};
 use crate::follow::record::{Cause, JumpRecord, Share};
 use crate::numerics::dense::{add, dot, norm};
 use crate::numerics::krylov::CgLimits;
@@ -74,13 +74,13 @@ impl Walk {
         self.release_because(cause, barrier, Vec::new())
     }
 
-    /// Starts the release at a barrier; from a flat limit that leads to several `landings`, to one
-    /// of them.
+    /// Starts the release at a barrier; from a flat limit that leads to several `landings`, to the
+    /// first of them.
     pub(super) fn release_because(
         &mut self,
         cause: Cause,
         Barrier { at, soft_mode, .. }: Barrier,
-        landings: Vec<Share>,
+        landings: Vec<Fall>,
     ) -> Progress {
         let (_, energy_before) = self.carried_to(at);
         let from_flat = cause == Cause::FlatLimit;
@@ -244,6 +244,17 @@ impl Walk {
             mean_displacement: u0,
             ..
         } = settled.at.state;
+        // Next to a saddle the order of the unknowns decides where a release ends: it is to be where
+        // most lead.
+        if jumping.kicks == 1
+            && let Some(Fall { rest, .. }) = jumping.landings.first()
+            && !rest.amplitudes.is_empty()
+            && self.pattern_of(&settled.at.fields.gap) != rest.pattern
+        {
+            let there = self.mechanics.at(rest.amplitudes.clone(), control);
+            (jumping.kicks, jumping.release) = (2, self.release_from(there));
+            return self.jump_on(jumping);
+        }
         let landed = match self.flat {
             Some(flat) if settled.at.state.roughness() < 1e-4 * self.model.law.range => {
                 let mut state = flat.state(self.system(), u0);
@@ -387,13 +398,15 @@ impl Walk {
         let Jumping {
             cause, landings, ..
         } = *jumping;
+        let contested = landings.len() > 1;
+        let shares = landings.into_iter().filter(|_| contested);
         self.arrive(
             landed,
             Leaving {
                 conjugate,
                 released,
                 cause,
-                landings,
+                landings: shares.map(|fall| fall.share).collect(),
             },
             EVENT,
             observe,

@@ -7,6 +7,7 @@ use crate::follow::record::{JumpRecord, StateRecord};
 use crate::physics::pattern::{Pattern, classify, contact_area};
 use crate::scene::Part;
 use crate::solver::method::{Cost, Stiffness};
+use ndarray::Array2;
 
 /// What one step of the walk brought.
 #[derive(Clone, Debug)]
@@ -158,8 +159,13 @@ impl Walk {
         if is_flat && (self.here.is_uniform() || thermal) {
             return Pattern::Flat;
         }
-        let gap = self.system().unfolded(&self.here.fields.gap);
-        classify(gap.view(), law, is_flat)
+        self.pattern_of(&self.here.fields.gap)
+    }
+
+    /// The pattern of a surface with this `gap`.
+    pub(super) fn pattern_of(&self, gap: &Array2<f64>) -> Pattern {
+        let system = self.system();
+        classify(system.unfolded(gap).view(), system.law(), system.is_flat())
     }
 
     /// Writes the record of the present state and hands it out.
