@@ -3,8 +3,8 @@
 //!
 //! Prints one row a loop, then the table of the README: `cargo run --release --no-default-features
 //! --example coverage`. Arguments: `COUNT` (200) and `FIRST` seed (1). Every smooth law, squares
-//! and lines, every strategy, targets from 0.1 to 1e-5. A loop that does not complete, loses a jump
-//! or has one too many counts as outside.
+//! and lines, every strategy, stiff machines and springs, targets from 0.1 to 1e-5. A loop that does
+//! not complete, loses a jump or has one too many counts as outside.
 
 use rand::seq::IndexedRandom;
 use rand::{Rng, SeedableRng};
@@ -15,6 +15,7 @@ use tackscope::follow::run::{Outcome, run_loop};
 use tackscope::follow::walk::WalkOptions;
 use tackscope::numerics::threads::Cancel;
 use tackscope::physics::body::Body;
+use tackscope::physics::control::Control;
 use tackscope::physics::indenter::Indenter;
 use tackscope::physics::law::{DoubleExponential, Law, Mie, Morse, Shape};
 use tackscope::physics::mesh::next_fast;
@@ -59,7 +60,18 @@ fn random(seed: u64) -> (Scene, Option<Strategy>) {
     let line = rng.random_bool(0.3);
     let target = 10f64.powf(rng.random_range(-5.0..-1.0));
     let (low, high) = flat_limits(&law, length).expect("longer than the critical length");
-    let (start, bottom) = (2.2 * high + 1.0, law.equilibrium_gap());
+    // Of three machines one is a spring, which the largest stress stretches by `sag`.
+    let stiffness = law.traction_max() / law.range * 10f64.powf(rng.random_range(-1.0..1.5));
+    let (control, sag) = if rng.random_range(0..3) == 0 {
+        (
+            Control::Spring { stiffness },
+            law.traction_max() / stiffness,
+        )
+    } else {
+        (Control::Displacement, 0.0)
+    };
+    let (start, bottom) = (2.2 * high + 1.0 + 1.3 * sag, law.equilibrium_gap());
+    let turn = bottom + rng.random_range(0.2..0.9) * (low - bottom) - 1.3 * sag;
     let scene = Scene {
         title: format!("seed {seed}"),
         source: String::new(),
@@ -75,10 +87,10 @@ fn random(seed: u64) -> (Scene, Option<Strategy>) {
         },
         indenter: Indenter::Flat,
         drive: Drive {
-            control: Default::default(),
+            control,
             start,
-            turn: Turn::At(bottom + rng.random_range(0.2..0.9) * (low - bottom)),
-            step: (start - bottom) / rng.random_range(10.0..100.0),
+            turn: Turn::At(turn),
+            step: (start - turn) / rng.random_range(10.0..100.0),
         },
         accuracy: target,
         units: None,

@@ -30,7 +30,7 @@ use crate::solver::sector::{Node, SHARP, Sector, Side};
 use explorer::{Rest, pattern_of};
 use std::fmt;
 use std::sync::Arc;
-use trace::{adapt, both_ways};
+use trace::{adapt, both_ways, node_between};
 
 /// What an atlas is made for.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -421,23 +421,15 @@ impl Atlas {
         if branch.nodes.iter().any(is_near) {
             return Ok(());
         }
-        self.pin_at(i, u0)
-    }
-
-    /// The same at `u0`. Near a fold the curve may be too far from the branch where the nearest node
-    /// is far away: then first where the surface is twice as far from the fold.
-    fn pin_at(&mut self, i: usize, u0: f64) -> Result<(), Lost> {
-        let pattern = self.branches[i].pattern;
-        let node = |this: &mut Self| {
-            let guess = this.branches[i].guess(u0);
-            this.sector_mut(pattern).node(u0, guess, None, SHARP)
-        };
-        let (node, _) = node(self).or_else(|lost| {
-            let farther = self.branches[i].farther_from_fold(u0).ok_or(lost)?;
-            self.pin_at(i, farther)?;
-            node(self)
-        })?;
-        Arc::make_mut(&mut self.branches[i]).insert(node);
+        let (branch, pattern) = (branch.clone(), branch.pattern);
+        let node = node_between(
+            self.sector_mut(pattern),
+            branch.segment(u0),
+            u0,
+            None,
+            SHARP,
+        )?;
+        Arc::make_mut(&mut self.branches[i]).insert(node.0);
         Ok(())
     }
 

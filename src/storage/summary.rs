@@ -44,7 +44,7 @@ pub struct Summary {
     pub scene: SceneSummary,
     /// The model that was chosen, and why.
     pub plan: PlanSummary,
-    /// Relative error to be expected of the dissipated energy and of the jumps' u0, as a finer mesh
+    /// Relative error to be expected of the dissipated energy and of the jumps' places, as a finer mesh
     /// tells it (what the plan expects, where that was not asked); not available where nothing is
     /// known.
     pub predicted_error: Number,

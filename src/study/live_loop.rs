@@ -119,7 +119,7 @@ pub struct LiveLoop {
     /// The loops of other landings, if it is contested where the surface lands; looked at when the
     /// hand rests.
     pub rivals: Vec<RivalLoop>,
-    /// Expected relative error of that and of the jumps' u0; 1 where nothing is promised.
+    /// Expected relative error of that and of the jumps' places; 1 where nothing is promised.
     pub predicted_error: f64,
     /// Points along a side of the mesh it was computed on.
     pub points: usize,

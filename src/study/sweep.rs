@@ -488,7 +488,7 @@ macro_rules! columns {
 columns! {
     "dissipated_energy", "what the loop loses, per area over γ; NaN unless it is closed",
         |m| of_ledger(m, Ledger::dissipated_energy);
-    "predicted_error", "relative error to be expected of the loss and of the jumps' u₀, as a finer mesh tells it; 1 where nothing can be promised, NaN where nothing is known",
+    "predicted_error", "relative error to be expected of the loss and of the jumps' places, as a finer mesh tells it; 1 where nothing can be promised, NaN where nothing is known",
         |m| Cell::Number(predicted_error(m.plan, m.run));
     "stated_error", "relative error of the loss; NaN where nothing is promised",
         |m| stated_error(m.model, m.plan, m.run).into();

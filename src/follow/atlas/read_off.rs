@@ -70,23 +70,10 @@ impl Branch {
         }
     }
 
-    fn segment(&self, u0: f64) -> (&Node, &Node) {
+    pub(super) fn segment(&self, u0: f64) -> (&Node, &Node) {
         let last = self.nodes.len() - 1;
         let i = self.nodes.partition_point(|n| n.u0() <= u0).clamp(1, last);
         (&self.nodes[i - 1], &self.nodes[i])
-    }
-
-    /// u0 between its nodes where a surface is twice as far from the fold next to `u0`, as the root
-    /// of the distance tells; `None` where no fold is next to it, or the node next to that nearer.
-    pub(super) fn farther_from_fold(&self, u0: f64) -> Option<f64> {
-        let (a, b) = self.segment(u0);
-        let (fold, other) = match [a, b].map(|node| node.slope.is_finite()) {
-            [false, true] => (a.u0(), b.u0()),
-            [true, false] => (b.u0(), a.u0()),
-            _ => return None,
-        };
-        let share = (u0 - fold) / (other - fold);
-        (0.0 < share && share < 0.25).then_some(fold + 4.0 * (u0 - fold))
     }
 
     /// Stress and energy at `u0`: quintic Hermite in the energy, whose derivatives are stress and

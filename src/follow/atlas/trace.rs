@@ -222,21 +222,26 @@ fn returns(
         nodes.push(end);
         return Ok((nodes, End::Breaking));
     }
-    nodes.extend(graded(sector, between.0, &end)?);
+    nodes.extend(graded(sector, between, &end)?);
     nodes.push(end);
     Ok((nodes, End::Fold))
 }
 
 /// Nodes from one before an `end` to it, closer and closer until the curve between them fits: a
-/// fold of u0 lies beyond, towards which the stress falls off like a square root.
-fn graded(sector: &mut Sector, before: &Node, end: &Node) -> Result<Vec<Node>, Lost> {
+/// fold of u0 lies beyond, towards which the stress falls off like a square root. States are found
+/// from the curve to a node `beyond` the end, which may be that fold.
+fn graded(
+    sector: &mut Sector,
+    (before, beyond): (&Node, &Node),
+    end: &Node,
+) -> Result<Vec<Node>, Lost> {
     let largest = sector.system().law().traction_max();
     let mut nodes = Vec::new();
     let mut last = before.clone();
     for _ in 0..GRADES {
         let [a, b] = [&last, end].map(Support::of);
         let middle = 0.5 * (a.u0 + b.u0);
-        let (node, _) = sector.node(middle, guess(&last, end, middle), Some(&last), NODE)?;
+        let (node, _) = node_between(sector, (&last, beyond), middle, Some(&last), NODE)?;
         let off = node.state.stress - a.to(b, middle).stress;
         nodes.push(node.clone());
         if off.abs() < FIT * largest {
@@ -256,6 +261,31 @@ fn turning_point(control: Control, stable: &Node, beyond: &Node) -> f64 {
     })
 }
 
+/// The node at `u0` on the curve between two others, with its fields. Near a fold of u0, and far from
+/// the other node, the curve may be too far from the branch: then it is drawn to a node in between,
+/// where the surface is twice as far from the fold.
+///
+/// # Errors
+/// As [`Sector::node`].
+pub fn node_between(
+    sector: &mut Sector,
+    (a, b): (&Node, &Node),
+    u0: f64,
+    before: Option<&Node>,
+    tolerance: f64,
+) -> Result<(Node, Fields), Lost> {
+    let mut found = sector.node(u0, guess(a, b, u0), before, tolerance);
+    let (fold, other) = if a.slope.is_finite() { (b, a) } else { (a, b) };
+    let (off, width) = (u0 - fold.u0(), other.u0() - fold.u0());
+    let share = off / width;
+    if found.is_err() && !fold.slope.is_finite() && 0.0 < share && share < 0.25 {
+        let farther = fold.u0() + 4.0 * off;
+        let (nearer, _) = node_between(sector, (a, b), farther, before, tolerance)?;
+        found = sector.node(u0, guess(&nearer, fold, u0), Some(&nearer), tolerance);
+    }
+    found
+}
+
 /// The node there. As the control is stationary, its value and the energy are known to second order
 /// in what u0 is off.
 fn turn(
@@ -269,7 +299,7 @@ fn turn(
     let mut last = f64::INFINITY;
     for _ in 0..CROSSINGS {
         let u0 = turning_point(control, &a, &b);
-        let (mut node, fields) = sector.node(u0, guess(&a, &b, u0), None, SHARP)?;
+        let (mut node, fields) = node_between(sector, (&a, &b), u0, None, SHARP)?;
         if (u0 - last).abs() < near {
             sector.sharpen(&mut node, &fields);
             node.bend = (node.slope - a.slope) / (u0 - a.u0());
