@@ -73,7 +73,7 @@ impl Atlas {
                 }
                 Step::State(found) => match found.proved(&mut guard, model.grid.length) {
                     _ if cancel.requested() => ended = Some(Ok(Outcome::Cancelled)),
-                    Ok(found) => found.tell(&mut run, observe),
+                    Ok(found) => found.tell(scene, &mut run, observe),
                     Err(reason) => ended = Some(Err(reason)),
                 },
             }
@@ -97,10 +97,6 @@ struct Found {
     /// Without what is to be proved of it.
     record: StateRecord,
     gap: Array2<f64>,
-    /// Which share of the loop it ends.
-    fraction: f64,
-    /// True if a jump led to it.
-    is_landing: bool,
     /// None where its stability is known in closed form.
     evidence: Option<Evidence>,
 }
@@ -177,17 +173,25 @@ impl Found {
         Ok(self)
     }
 
-    /// Hands it out, and adds it to the run.
-    fn tell(self, run: &mut LoopRun, observe: &mut dyn FnMut(Report<'_>)) {
+    /// Hands it out, and adds it to the run of `scene`.
+    fn tell(self, scene: &Scene, run: &mut LoopRun, observe: &mut dyn FnMut(Report<'_>)) {
         let (state, gap) = (self.record, self.gap);
+        let (start, turn) = (scene.drive.start, scene.depth());
+        let half = (start - state.control) / (start - turn);
+        let way = if state.direction == Direction::Approach {
+            half
+        } else {
+            2.0 - half
+        };
         observe(Report::State {
             record: &state,
             index: run.record.states.len(),
             fields: [&gap; 2],
-            fraction: self.fraction,
+            fraction: 0.5 * way,
         });
         run.counts.patterned_increments += usize::from(state.pattern != Pattern::Flat);
-        if self.is_landing {
+        // The first state, and the first after each jump.
+        if run.landings.len() <= run.record.jumps.len() {
             run.landings.push(Landing {
                 direction: state.direction,
                 pattern: state.pattern,
@@ -230,20 +234,9 @@ impl Tour<'_> {
             let edge = traversal
                 .jumps_next()
                 .then_some(HAIR * scene.control().unit(&self.model.law));
-            for (i, value) in stations(&leg, start, step, edge, self.fold(&leg)).enumerate() {
+            for value in stations(&leg, start, step, edge, self.fold(&leg)) {
                 let found = self.state(&leg, value);
-                if cancel.requested() {
-                    return Ok(Outcome::Cancelled);
-                }
-                let mut found = found?;
-                let half = (start - value) / (start - turn);
-                let way = if leg.direction == Direction::Approach {
-                    half
-                } else {
-                    2.0 - half
-                };
-                (found.fraction, found.is_landing) = (0.5 * way, i == 0 && leg.begins);
-                if !hand_on(Step::State(Box::new(found))) {
+                if cancel.requested() || !hand_on(Step::State(Box::new(found?))) {
                     return Ok(Outcome::Cancelled);
                 }
             }
@@ -293,8 +286,6 @@ impl Tour<'_> {
         Ok(Found {
             record,
             gap,
-            fraction: 0.0,
-            is_landing: false,
             evidence,
         })
     }

@@ -60,7 +60,7 @@ pub fn piece(points: usize) -> usize {
     }
 }
 
-/// States hold some fields of the whole cell each; with more of them in between nothing is gained.
+/// Most things that are handed on and not yet taken: they may hold fields of a whole cell.
 const WAITING: usize = 2;
 
 /// How many sets of working memory the transform of a field of `points` needs. Several per thread:

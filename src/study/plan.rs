@@ -276,7 +276,7 @@ impl Way {
         match plan.strategy {
             Strategy::Walk(part) => Way::Walk(part, None),
             Strategy::Atlas => {
-                went_round(scene, model, cancel).map_or_else(Way::after_all, Way::Atlas)
+                atlas_of_loop(scene, model, cancel).map_or_else(Way::after_all, Way::Atlas)
             }
         }
     }
@@ -312,7 +312,7 @@ impl Way {
 }
 
 /// The atlas of the loop of `scene`, with all its branches and landings.
-fn went_round(scene: &Scene, model: &Model, cancel: &Cancel) -> Result<Box<Atlas>, Unmapped> {
+fn atlas_of_loop(scene: &Scene, model: &Model, cancel: &Cancel) -> Result<Box<Atlas>, Unmapped> {
     let turn = scene
         .turn_of_atlas()
         .ok_or_else(|| Unmapped::anywhere(NO_TURN))?;
@@ -366,7 +366,7 @@ pub fn run_planned(
     .filter(|_| !cancel.requested());
     let jumps = &run.record.jumps;
     if jumps.iter().any(|jump| !jump.landings.is_empty())
-        && let Some(mut atlas) = known.or_else(|| went_round(scene, &model, cancel).ok())
+        && let Some(mut atlas) = known.or_else(|| atlas_of_loop(scene, &model, cancel).ok())
     {
         atlas.obey(cancel);
         run.rivals = rivals(&mut atlas, jumps, scene.drive.start, scene.depth());
@@ -486,9 +486,10 @@ pub fn read_off(scene: &Scene, cancel: &Cancel) -> Option<Vec<Vec<JumpRecord>>> 
     if model.grid.is_line() {
         return None;
     }
-    loops(&mut *went_round(scene, &model, cancel).ok()?, scene)
+    loops(&mut *atlas_of_loop(scene, &model, cancel).ok()?, scene)
 }
 
+/// The jumps of the loop of `scene` as its `atlas` has them, and those of other landings.
 fn loops(atlas: &mut Atlas, scene: &Scene) -> Option<Vec<Vec<JumpRecord>>> {
     let (start, turn) = (scene.drive.start, scene.depth());
     let usual = atlas.cycle(start, turn).ok()?.jumps;
