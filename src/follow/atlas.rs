@@ -17,13 +17,14 @@ pub(super) use read_off::{Support, Traversal};
 use super::flat_branch::FlatBranch;
 use super::record::Share;
 use crate::numerics::threads::Cancel;
+use crate::physics::body::Body;
 use crate::physics::control::Control;
 use crate::physics::indenter::Indenter;
 use crate::physics::law::Law;
 use crate::physics::mesh::{Grid, SAFE, next_fast, points_at};
 use crate::physics::pattern::Pattern;
 use crate::physics::system::{State, System, carried};
-use crate::scene::{Model, Scene};
+use crate::scene::{Model, Points, Scene, Turn};
 use crate::solver::mechanics::Mechanics;
 use crate::solver::method::Lost;
 use crate::solver::sector::{Node, SHARP, Sector, Side};
@@ -166,7 +167,23 @@ impl Atlas {
         }
     }
 
-    /// The atlas of a scene on its own mesh.
+    /// Why no atlas holds a scene, on whatever mesh; `None` if one may.
+    pub fn refusal(scene: &Scene) -> Option<Unmapped> {
+        let reason = if scene.body != Body::HalfSpace {
+            "the atlas holds the patterns of a half-space"
+        } else if scene.indenter != Indenter::Flat {
+            "uneven ground has no branches of known symmetry"
+        } else if matches!(scene.cell.points, Points::Line(_)) {
+            "the atlas holds square cells; a line cell is small enough as it is"
+        } else if scene.drive.turn == Turn::ZeroLoad {
+            "the atlas holds drives to a fixed turning point"
+        } else {
+            return None;
+        };
+        Some(Unmapped::anywhere(reason))
+    }
+
+    /// The atlas of a scene on its own mesh; of no use where there is a [refusal](Atlas::refusal).
     pub fn of(scene: &Scene, model: &Model) -> Self {
         let meshes = Meshes::new(&model.law, model.grid.length, model.grid.nx);
         Self::new(meshes.under(scene.control()))

@@ -181,15 +181,6 @@ impl Scene {
         }
     }
 
-    /// Value of the control at which the approach turns, if an atlas may hold the drive: it knows
-    /// the patterns of a half-space.
-    pub fn turn_of_atlas(&self) -> Option<f64> {
-        match (self.body, self.drive.turn) {
-            (Body::HalfSpace, Turn::At(turn)) => Some(turn),
-            _ => None,
-        }
-    }
-
     /// Where the approach is to go (length): to the turning point, or, where the sign of the stress
     /// ends it, far below anything a tip under tension can need.
     pub fn depth(&self) -> f64 {

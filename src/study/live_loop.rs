@@ -1,14 +1,12 @@
 //! A whole loop read off the atlas, as plain data: quick enough to follow a hand that drags a
 //! parameter, and to say where the surface will stand before the walk has gone there.
 
-use super::plan::{OF_HALF_SPACES, rivals};
+use super::plan::rivals;
 use crate::follow::atlas::{Atlas, Cycle, Meshes, Place, Unmapped};
 use crate::follow::record::{Direction, JumpRecord, StateRecord};
 use crate::follow::run::RivalLoop;
 use crate::numerics::threads::Cancel;
-use crate::physics::body::Body;
 use crate::physics::control::Control;
-use crate::physics::indenter::Indenter;
 use crate::physics::law::Law;
 use crate::physics::mesh;
 use crate::physics::pattern::Pattern;
@@ -160,8 +158,8 @@ impl LiveLoops {
         model: &Model,
         fineness: Fineness,
     ) -> Result<LiveLoop, Unmapped> {
-        let (meshes, turn) = meshes_of(scene, model, fineness)?;
-        let start = scene.drive.start;
+        let meshes = meshes_of(scene, model, fineness)?;
+        let (start, turn) = (scene.drive.start, scene.depth());
         let last = self
             .last
             .take()
@@ -217,24 +215,17 @@ fn places(cycle: &Cycle) -> Vec<Place> {
     cycle.legs.iter().map(|leg| leg.place).collect()
 }
 
-/// The atlas that a scene asks for, and where its drive turns.
-fn meshes_of(scene: &Scene, model: &Model, fineness: Fineness) -> Result<(Meshes, f64), Unmapped> {
-    if model.body != Body::HalfSpace {
-        return Err(Unmapped::anywhere(OF_HALF_SPACES));
-    }
-    let Some(turn) = scene.turn_of_atlas() else {
-        return Err(Unmapped::anywhere("the drive has no fixed turning point"));
-    };
-    if model.indenter != Indenter::Flat || model.grid.is_line() {
-        return Err(Unmapped::anywhere("it is of square cells on flat ground"));
+/// The atlas that a scene asks for.
+fn meshes_of(scene: &Scene, model: &Model, fineness: Fineness) -> Result<Meshes, Unmapped> {
+    if let Some(reason) = Atlas::refusal(scene) {
+        return Err(reason);
     }
     let points = fineness.points(&model.law, model.grid.length);
     if points > POINTS_MAX {
         let why = format!("a live loop would need {points} points a side");
         return Err(Unmapped::anywhere(why));
     }
-    let meshes = Meshes::new(&model.law, model.grid.length, points).under(scene.control());
-    Ok((meshes, turn))
+    Ok(Meshes::new(&model.law, model.grid.length, points).under(scene.control()))
 }
 
 impl LiveLoop {

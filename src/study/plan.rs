@@ -70,12 +70,6 @@ fn flat_error(model: &Model) -> f64 {
     }
 }
 
-/// Why a drive has no atlas.
-const NO_TURN: &str = "the atlas holds drives to a fixed turning point";
-
-/// Why a layer has none.
-pub(super) const OF_HALF_SPACES: &str = "the atlas holds the patterns of a half-space";
-
 /// Largest mu_rho at which a tip may be left to its even quarter.
 const EVEN_TIP: f64 = 0.9;
 
@@ -198,20 +192,8 @@ pub fn refusal(scene: &Scene, model: &Model, asked: Option<Strategy>) -> Option<
 
 /// Why the scene has no atlas; `None` if it can have one, wise or not.
 fn no_atlas(scene: &Scene, model: &Model) -> Option<String> {
-    let n = model.grid.nx;
-    if model.body != Body::HalfSpace {
-        Some(OF_HALF_SPACES.to_owned())
-    } else if model.indenter != Indenter::Flat {
-        Some("uneven ground has no branches of known symmetry".to_owned())
-    } else if model.grid.is_line() {
-        Some("a line cell is small enough as it is".to_owned())
-    } else if let Some(reason) = no_quarter(n) {
-        Some(reason)
-    } else if scene.turn_of_atlas().is_none() {
-        Some(NO_TURN.to_owned())
-    } else {
-        None
-    }
+    let refusal = Atlas::refusal(scene).map(|reason| reason.to_string());
+    refusal.or_else(|| no_quarter(model.grid.nx))
 }
 
 /// Why an atlas will not do; `None` if it will.
@@ -313,12 +295,9 @@ impl Way {
 
 /// The atlas of the loop of `scene`, with all its branches and landings.
 fn atlas_of_loop(scene: &Scene, model: &Model, cancel: &Cancel) -> Result<Box<Atlas>, Unmapped> {
-    let turn = scene
-        .turn_of_atlas()
-        .ok_or_else(|| Unmapped::anywhere(NO_TURN))?;
     let mut atlas = Box::new(Atlas::of(scene, model));
     atlas.obey(cancel);
-    atlas.cycle(scene.drive.start, turn)?;
+    atlas.cycle(scene.drive.start, scene.depth())?;
     Ok(atlas)
 }
 
@@ -483,7 +462,7 @@ fn finer_loops(
 /// landings; `None` if it has none.
 pub fn read_off(scene: &Scene, cancel: &Cancel) -> Option<Vec<Vec<JumpRecord>>> {
     let model = scene.model().ok()?;
-    if model.grid.is_line() {
+    if Atlas::refusal(scene).is_some() {
         return None;
     }
     loops(&mut *atlas_of_loop(scene, &model, cancel).ok()?, scene)

@@ -125,7 +125,7 @@ fn what_the_atlas_does_not_hold_is_refused_in_words() {
         .next(&scene, &scene.model().unwrap(), Fineness::Coarse)
         .unwrap_err()
         .to_string();
-    assert!(words.contains("square cells on flat ground"), "{words}");
+    assert!(words.contains("the atlas holds square cells"), "{words}");
 }
 
 #[test]

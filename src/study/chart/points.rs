@@ -1,10 +1,10 @@
 //! Which points a chart has, and what they may cost.
 
 use super::Measured;
+use crate::follow::atlas::Atlas;
 use crate::numerics::precision::Precision;
 use crate::physics::body::Body;
 use crate::physics::control::Control;
-use crate::physics::indenter::Indenter;
 use crate::physics::law::Law;
 use crate::physics::mesh::{Grid, SAFE, is_safe, mu_rho, next_fast};
 use crate::physics::parameter::Refusal;
@@ -197,7 +197,7 @@ fn finest(
 }
 
 fn road(scene: &Scene, effort: Effort, predictor: &Predictor, most: usize, step: f64) -> Road {
-    if has_atlas(scene, &predictor.grid) {
+    if Atlas::refusal(scene).is_none() {
         return Road::Atlas;
     }
     // Of other ground there are many branches; with a law that is not smooth, or where the mesh
@@ -244,7 +244,7 @@ pub(super) fn walked(
     finest: &[Point; 3],
 ) -> Result<[Point; 3], Refusal> {
     let grid = scene.model()?.grid;
-    if has_atlas(scene, &grid) {
+    if Atlas::refusal(scene).is_none() {
         return Ok(*finest);
     }
     let most = list.iter().map(|point| point.points).max();
@@ -341,15 +341,9 @@ fn quarters(scene: &Scene, list: &[Point]) -> Vec<Point> {
         .collect()
 }
 
-/// True if there is an atlas of the scene.
-fn has_atlas(scene: &Scene, grid: &Grid) -> bool {
-    let flat = scene.indenter == Indenter::Flat && scene.body == Body::HalfSpace;
-    flat && !grid.is_line() && scene.turn_of_atlas().is_some()
-}
-
 /// The same read off an atlas, where there is one, and on a mesh between those and the reference's.
 fn atlases(scene: &Scene, grid: &Grid, meshes: &[usize], step: f64) -> Vec<Point> {
-    if !has_atlas(scene, grid) {
+    if Atlas::refusal(scene).is_some() {
         return Vec::new();
     }
     let between = next_fast(9 * most(meshes, grid) / 8);
@@ -414,7 +408,7 @@ impl Predictor {
             way: 2.0 * depth,
             law: model.law,
             grid: model.grid,
-            atlas: has_atlas(scene, &model.grid),
+            atlas: Atlas::refusal(scene).is_none(),
             correction: HashMap::new(),
         })
     }

@@ -6,7 +6,7 @@
 //! states where a jump lands are solved as sharply: what is left of the error is the mesh's.
 
 use super::{Errors, Measured};
-use crate::follow::atlas::{Atlas, Leg, Place, Unmapped};
+use crate::follow::atlas::{Atlas, Leg, Place};
 use crate::follow::diagram::Piece;
 use crate::follow::record::{Cause, Direction, JumpRecord, LoopRecord, StateRecord};
 use crate::follow::run::{LoopRun, Outcome};
@@ -35,12 +35,8 @@ pub(super) fn of_atlas(scene: &Scene, model: &Model) -> LoopRun {
     // As the live loop does.
     let mut atlas = Atlas::of(scene, model);
     let start = scene.drive.start;
-    let cycle = match scene.turn_of_atlas() {
-        Some(turn) => atlas.cycle(start, turn),
-        None => Err(Unmapped::anywhere("there is no atlas of this drive")),
-    };
     let mut run = LoopRun::empty();
-    match cycle {
+    match atlas.cycle(start, scene.depth()) {
         Ok(cycle) => {
             run.record.states = cycle
                 .legs
