@@ -4,6 +4,8 @@
 Writes one JSON line for each loop, and a table at the end. Seconds are of the processor.
 """
 import argparse
+import csv
+import itertools
 import json
 import os
 import subprocess
@@ -17,8 +19,6 @@ for threads in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "RAYON_NUM_THREADS"):
 import numpy as np
 from scipy.optimize import minimize
 
-# Increments of every loop: 35 down, the turning point, 35 up.
-HALF = 35
 # Amplitude of the noise on flat ground, over the range: without any a uniform field stays uniform.
 NOISE = 1e-3
 
@@ -26,8 +26,8 @@ NOISE = 1e-3
 class Case:
     """A loop with the Morse law: its law, its ground, its drive. E* = 1."""
 
-    def __init__(self, name, points):
-        self.name, self.points = name, points
+    def __init__(self, name, points, half):
+        self.name, self.points, self.half = name, points, half
         if name == "tip":
             # Sect. 4 of the paper, mu_rho = 0.5 (as `scenes::tip`): L = R = 1.
             self.length, self.gamma = 1.0, 0.5859e-3
@@ -37,7 +37,7 @@ class Case:
             # Fig. 2.
             self.length, self.gamma, self.range = 256.0, 0.15, 1.0
             self.start, self.turn = 4.2, 0.2
-        self.step = (self.start - self.turn) / HALF
+        self.step = (self.start - self.turn) / half
         self.sigma_max = self.gamma / (2 * self.range)
 
     def heights(self):
@@ -48,7 +48,7 @@ class Case:
         return -bend * (x**2 + y**2)
 
     def drive(self):
-        down = self.start - self.step * np.arange(HALF + 1)
+        down = self.start - self.step * np.arange(self.half + 1)
         return np.concatenate([down, down[-2::-1]])
 
     def toml(self):
@@ -229,10 +229,34 @@ def by_tackscope(program, case):
     )
 
 
+def by_reading_off(program, case):
+    """The same loop read off the branches of an atlas, as the window shows it: the loss alone, to four digits and more."""
+    with tempfile.TemporaryDirectory() as home:
+        scene, out = f"{home}/scene.toml", f"{home}/out"
+        with open(scene, "w") as file:
+            file.write(case.toml())
+        subprocess.run([program, "chart", scene, "--quick", "--out", out, "--quiet"], check=True)
+        with open(f"{out}/chart.csv") as file:
+            told = next(row for row in csv.DictReader(file) if row["model"] == "atlas")
+    seconds, states = float(told["processor_seconds"]), float(told["transforms"]) / float(told["transforms_per_increment"])
+    return dict(
+        increments=round(states),
+        seconds=seconds,
+        seconds_per_increment=seconds / states,
+        transforms_per_increment=float(told["transforms_per_increment"]),
+        residual=float("nan"),
+        loss=float(told["dissipated_energy"]),
+        stability="of every branch",
+    )
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--tackscope", default="target/release/tackscope")
     parser.add_argument("--points", type=int, nargs="+", default=[64, 128])
+    parser.add_argument(
+        "--increments", type=int, nargs="+", default=[35], help="increments from the start down to the turn"
+    )
     parser.add_argument("--cases", nargs="+", default=["tip", "flat"], choices=["tip", "flat"])
     parser.add_argument(
         "--tolerance",
@@ -244,9 +268,11 @@ def main():
     arguments = parser.parse_args()
     rows = []
     for name in arguments.cases:
-        for points in arguments.points:
-            case = Case(name, points)
+        for points, half in itertools.product(arguments.points, arguments.increments):
+            case = Case(name, points, half)
             runs = {"tackscope": lambda: by_tackscope(arguments.tackscope, case)}
+            if name == "flat":
+                runs["tackscope, read off"] = lambda: by_reading_off(arguments.tackscope, case)
             for peer, made in (("numpy", Numpy), ("adhesion", Adhesion), ("tamaas", Tamaas)):
                 if peer in arguments.peers:
                     runs[peer] = lambda made=made: by_minimiser(
@@ -258,15 +284,16 @@ def main():
                 except ImportError as missing:
                     print(f"skipped {who}: {missing}", file=sys.stderr)
                     continue
-                rows.append(dict(case=name, points=points, by=who, **told))
+                rows.append(dict(case=name, points=points, half=half, by=who, **told))
                 print(json.dumps(rows[-1]), flush=True)
-    own = {(row["case"], row["points"]): row for row in rows if row["by"] == "tackscope"}
-    head = "case n by | s/loop | times Tackscope | transforms/increment | residual | loss/gamma | stability"
+    key = lambda row: (row["case"], row["points"], row["half"])
+    own = {key(row): row for row in rows if row["by"] == "tackscope"}
+    head = "case n increments by | s/loop | times Tackscope | transforms/increment | residual | loss/gamma | stability"
     print(head, file=sys.stderr)
     for row in rows:
-        ratio = row["seconds"] / own[row["case"], row["points"]]["seconds"]
+        ratio = row["seconds"] / own[key(row)]["seconds"]
         print(
-            f"{row['case']} {row['points']} {row['by']} | {row['seconds']:.3g} | {ratio:.3g} | "
+            f"{row['case']} {row['points']} {row['increments']} {row['by']} | {row['seconds']:.3g} | {ratio:.3g} | "
             f"{row['transforms_per_increment']:.0f} | {row['residual']} | {row['loss']:.5f} | "
             f"{row['stability']}",
             file=sys.stderr,
