@@ -181,7 +181,7 @@ fn main() {
         arguments.next().unwrap_or(1),
     );
     let (next, trials) = (AtomicU64::new(first), Mutex::new(Vec::new()));
-    println!("seed,road,target,law,periods,points,mu_rho,predicted,measured");
+    println!("seed,strategy,target,law,periods,points,mu_rho,predicted,measured");
     let work = || {
         loop {
             let seed = next.fetch_add(1, Ordering::Relaxed);
@@ -212,7 +212,7 @@ fn main() {
     });
     let trials = trials.into_inner().expect("no thread panicked");
     println!(
-        "\n| road | loops | inside | nothing promised | met the target | median predicted / measured |\n|---|---|---|---|---|---|"
+        "\n| strategy | loops | inside | nothing promised | met the target | median predicted / measured |\n|---|---|---|---|---|---|"
     );
     for strategy in ["atlas", "quarter", "whole", "line"] {
         row(

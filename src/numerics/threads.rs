@@ -95,18 +95,18 @@ fn another() -> Option<ThreadPool> {
     several.then(|| pool.build().ok()).flatten()
 }
 
-/// What `aside` and `here` give, the first on a thread of its own where there is more than one.
+/// What `other` and `here` give, the first on a thread of its own where there is more than one.
 ///
 /// # Panics
 /// As they do.
-pub fn beside<A: Send, B>(aside: impl FnOnce() -> A + Send, here: impl FnOnce() -> B) -> (A, B) {
+pub fn beside<A: Send, B>(other: impl FnOnce() -> A + Send, here: impl FnOnce() -> B) -> (A, B) {
     let Some(pool) = another() else {
         let here = here();
-        return (aside(), here);
+        return (other(), here);
     };
     let mut found = None;
     let here = pool.in_place_scope(|scope| {
-        scope.spawn(|_| found = Some(aside()));
+        scope.spawn(|_| found = Some(other()));
         here()
     });
     (found.expect("the scope waits for it"), here)

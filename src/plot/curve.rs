@@ -39,7 +39,7 @@ impl From<Stop> for PieceKind {
     }
 }
 
-/// A stretch of one branch without a jump.
+/// A piece of one branch without a jump.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Piece {
     /// Direction of the drive.

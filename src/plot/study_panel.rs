@@ -379,7 +379,7 @@ pub fn loop_of(row: &map::Row, name: &str) -> Option<Series> {
 }
 
 /// u0/rho between which the piece `number` of a pattern stands in a row.
-fn stretch(
+fn interval(
     row: &map::Row,
     direction: Direction,
     pattern: Pattern,
@@ -402,7 +402,7 @@ fn regions(map: &PatternMap, direction: Direction) -> Vec<Area> {
         for number in 0.. {
             let at = |i: usize| {
                 let row = map.rows.get(i)?;
-                Some((row.value, stretch(row, direction, pattern, number)?))
+                Some((row.value, interval(row, direction, pattern, number)?))
             };
             let mut spans = Vec::new();
             for i in 0..map.rows.len() {

@@ -322,15 +322,15 @@ pub fn run_planned(
     let here = || way.run(scene, &model, method, cancel, observe);
     let (finer, run) = match &mut known {
         Some(known) if is_judged(&model) => {
-            let aside = cancel.part();
-            known.obey(&aside);
+            let finer_cancel = cancel.part();
+            known.obey(&finer_cancel);
             beside(
-                || Some(finer_loops(scene, &model, Some(known), &aside)),
+                || Some(finer_loops(scene, &model, Some(known), &finer_cancel)),
                 || {
                     let run = here();
                     let completed = |run: &LoopRun| run.outcome == Outcome::Completed;
                     if !run.as_ref().is_ok_and(completed) {
-                        aside.request();
+                        finer_cancel.request();
                     }
                     run
                 },

@@ -211,14 +211,14 @@ pub fn panel(state: &ViewState) -> Panel {
     }
     panel.series.extend(state.machine_line([left, right]));
     guesses(state, &mut panel);
-    let wish = state.run.foresight.wish().and_then(|wanted| {
+    let foreseen = state.run.foresight.wanted().and_then(|wanted| {
         let (.., sample) = wanted.live.found.as_ref().ok()?.at(wanted.spot);
         Some(place(sample.mean_displacement, sample.stress, law))
     });
     let of_state = |s: &StateRecord| [s.mean_displacement / law.range, s.stress_over_max];
     let of_frame = |frame: &Arc<Picture>| place(frame.mean_displacement, frame.stress, law);
     let selected = state.run.selection.as_ref();
-    let selected = wish.or(selected.map(|selection| of_state(&selection.state)));
+    let selected = foreseen.or(selected.map(|selection| of_state(&selection.state)));
     let replayed = state.run.replayed.as_ref().map(of_frame);
     // While it jumps the point goes down the drop.
     let now = state.run.state.as_ref().map(of_state);

@@ -11,7 +11,7 @@ use super::gap_map::{self, STRIP};
 use super::gap_picture::GapPicture;
 use super::grip;
 use super::theme::{self, Palette};
-use super::view_state::{Stretch, ViewState, foreseen, stretches};
+use super::view_state::{Span, ViewState, foreseen, spans};
 use super::widgets::described;
 use crate::follow::record::{Direction, StateRecord};
 use crate::physics::control::Control;
@@ -303,10 +303,10 @@ fn axes(ui: &Ui, state: &ViewState, frame: Rect, (low, high): (f64, f64), along_
 /// Height of a row, and the room between the two.
 const ROW: f32 = 20.0;
 const BETWEEN: f32 = 3.0;
-/// Size of the letters, and the least width of a stretch that has one.
+/// Size of the letters, and the least width of a span that has one.
 const LETTER: f32 = 13.0;
 const WIDE: f32 = 12.0;
-/// How much of its colour a stretch keeps that is only foreseen.
+/// How much of its colour a span keeps that is only foreseen.
 const PALE: f32 = 0.28;
 
 /// The rows from above, with the mark of each.
@@ -349,23 +349,23 @@ pub fn strip(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {
 }
 
 /// What was walked, and what is foreseen.
-fn all(state: &ViewState) -> (Vec<Stretch>, Vec<Stretch>) {
+fn all(state: &ViewState) -> (Vec<Span>, Vec<Span>) {
     let ahead = state.live().map_or_else(Vec::new, foreseen);
-    (stretches(&state.run.record), ahead)
+    (spans(&state.run.record), ahead)
 }
 
 /// Both rows in letters.
-fn sentence(walked: &[Stretch], ahead: &[Stretch]) -> String {
-    let letters = |of: &[Stretch], direction: Direction| {
-        let row = of.iter().filter(|stretch| stretch.direction == direction);
-        let letters: Vec<&str> = row.map(Stretch::letter).collect();
+fn sentence(walked: &[Span], ahead: &[Span]) -> String {
+    let letters = |of: &[Span], direction: Direction| {
+        let row = of.iter().filter(|span| span.direction == direction);
+        let letters: Vec<&str> = row.map(Span::letter).collect();
         if letters.is_empty() {
             "nothing".to_owned()
         } else {
             letters.join(" ")
         }
     };
-    let both = |of: &[Stretch]| {
+    let both = |of: &[Span]| {
         let [down, up] = ROWS.map(|(direction, _)| letters(of, direction));
         format!("{down} on approach, {up} on retraction")
     };
@@ -410,8 +410,8 @@ impl Strip<'_> {
         ui: &Ui,
         index: usize,
         (direction, mark): (Direction, &str),
-        walked: &[Stretch],
-        ahead: &[Stretch],
+        walked: &[Span],
+        ahead: &[Span],
     ) {
         let row = self.row(index);
         let ground = theme::ground(ui);
@@ -426,29 +426,29 @@ impl Strip<'_> {
         );
         let paper = ui.visuals().extreme_bg_color;
         let ink = ui.visuals().strong_text_color();
-        let of_row = |stretches: &[Stretch]| {
-            let here = stretches.iter().filter(|s| s.direction == direction);
+        let of_row = |spans: &[Span]| {
+            let here = spans.iter().filter(|s| s.direction == direction);
             here.copied().collect::<Vec<_>>()
         };
         let walked = of_row(walked);
-        for (stretches, above, strength, ink) in [
+        for (spans, above, strength, ink) in [
             (&of_row(ahead), &walked[..], PALE, ui.visuals().text_color()),
             (&walked, &[], 0.62, ink),
         ] {
-            for stretch in stretches {
-                let colour = theme::rgb(Colour::of_pattern(stretch.pattern).on(ground));
+            for span in spans {
+                let colour = theme::rgb(Colour::of_pattern(span.pattern).on(ground));
                 let fill = paper.lerp_to_gamma(colour, strength);
-                let rect = self.place(row, stretch);
+                let rect = self.place(row, span);
                 ui.painter().rect_filled(rect, 0.0, fill);
                 let edge = Stroke::new(1.0, paper);
                 ui.painter().vline(rect.left(), row.y_range(), edge);
                 let letter = Rect::from_center_size(rect.center(), vec2(WIDE, ROW));
-                let covers = |other: &Stretch| self.place(row, other).intersects(letter);
+                let covers = |other: &Span| self.place(row, other).intersects(letter);
                 if rect.width() >= WIDE && !above.iter().any(covers) {
                     ui.painter().text(
                         rect.center(),
                         Align2::CENTER_CENTER,
-                        stretch.letter(),
+                        span.letter(),
                         FontId::proportional(LETTER),
                         ink,
                     );
@@ -457,9 +457,9 @@ impl Strip<'_> {
         }
     }
 
-    /// Where a stretch lies in its row.
-    fn place(&self, row: Rect, stretch: &Stretch) -> Rect {
-        let [a, b] = stretch.ends.map(|control| self.x_of(control));
+    /// Where a span lies in its row.
+    fn place(&self, row: Rect, span: &Span) -> Rect {
+        let [a, b] = span.ends.map(|control| self.x_of(control));
         Rect::from_x_y_ranges(a.min(b)..=a.max(b).max(a.min(b) + 1.0), row.y_range())
     }
 
@@ -483,7 +483,7 @@ impl Strip<'_> {
     }
 
     /// What stands at a place, in words.
-    fn reading(&self, at: Pos2, walked: &[Stretch], ahead: &[Stretch]) -> String {
+    fn reading(&self, at: Pos2, walked: &[Span], ahead: &[Span]) -> String {
         let (value, direction) = (self.value(at), self.direction(at));
         let told = self.state.told();
         let place = format!(
@@ -492,11 +492,11 @@ impl Strip<'_> {
             fixed(value / told.unit, 3),
             told.suffix
         );
-        let here = |stretch: &&Stretch| {
-            let [a, b] = stretch.ends;
-            stretch.direction == direction && (a.min(b)..=a.max(b)).contains(&value)
+        let here = |span: &&Span| {
+            let [a, b] = span.ends;
+            span.direction == direction && (a.min(b)..=a.max(b)).contains(&value)
         };
-        if let Some(stretch) = walked.iter().rev().find(here) {
+        if let Some(span) = walked.iter().rev().find(here) {
             let states = self.state.run.record.states.iter().rev();
             let off = |s: &&StateRecord| (s.control - value).abs();
             let of_row = states.filter(|s| s.direction == direction);
@@ -505,12 +505,12 @@ impl Strip<'_> {
                 .map_or(String::new(), |s| {
                     format!(", stress {} σₘₐₓ", fixed(s.stress_over_max, 3))
                 });
-            return format!("{} on {direction}, {place}{stress}", stretch.pattern);
+            return format!("{} on {direction}, {place}{stress}", span.pattern);
         }
         ahead.iter().find(here).map_or_else(
             || format!("{direction}, {place}: not walked yet"),
-            |stretch| {
-                let pattern = stretch.pattern;
+            |span| {
+                let pattern = span.pattern;
                 format!("{pattern} foreseen on {direction}, {place}: a click shows it")
             },
         )

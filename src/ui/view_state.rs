@@ -10,7 +10,7 @@ pub use foresight::{Beside, Foresight};
 pub use plots::{Ghost, Kept, KeptLoops, LiveView, Plots};
 pub use run::{ClosedLoop, Hint, Origin, Pushed, RunView, Selection, Told};
 pub use session::{Begin, Extent, History, Past, Saved};
-pub use stored::{Films, Store, Stretch, foreseen, stretches};
+pub use stored::{Films, Span, Store, foreseen, spans};
 
 use super::action::ViewOptions;
 use crate::follow::record::{JumpRecord, StateRecord};

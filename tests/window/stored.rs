@@ -12,7 +12,7 @@ use std::time::Duration;
 use tackscope::follow::record::{Direction, StateRecord};
 use tackscope::physics::pattern::Pattern;
 use tackscope::solver::Stop;
-use tackscope::ui::view_state::{Origin, RunView, Selection, Stretch, stretches};
+use tackscope::ui::view_state::{Origin, RunView, Selection, Span, spans};
 
 /// A state, and its gap as it was seen.
 pub type Seen = (StateRecord, Arc<Array2<f64>>);
@@ -146,7 +146,7 @@ fn the_letters_of_the_strip_are_those_of_the_jumps() {
     let wanted = wanted.trim_end_matches(", ");
     assert!(name.contains(wanted), "{wanted} in {name}");
     assert!(wanted.starts_with("F B R D F on approach"), "{wanted}");
-    let found = stretches(record);
+    let found = spans(record);
     let ends: Vec<f64> = found
         .windows(2)
         .filter(|w| w[0].direction == w[1].direction)
@@ -158,7 +158,7 @@ fn the_letters_of_the_strip_are_those_of_the_jumps() {
     for (end, jump) in ends.iter().zip(&jumps) {
         assert!((end - jump).abs() <= 1e-5, "{end} {jump}");
     }
-    assert!(found.iter().all(|s: &Stretch| s.ends[0] != s.ends[1]));
+    assert!(found.iter().all(|s: &Span| s.ends[0] != s.ends[1]));
 }
 
 #[test]

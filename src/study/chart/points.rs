@@ -167,7 +167,7 @@ fn double(grid: &Grid, method: MethodKind, points: usize, step: f64) -> Point {
 
 /// How the reference is computed.
 #[derive(Clone, Copy, PartialEq)]
-enum Road {
+enum Source {
     /// Off the atlas: its jumps are located directly, and the mesh is all that is left of its error.
     Atlas,
     /// Along the branches of a diagram, likewise, on so many times the points of the finest mesh.
@@ -192,33 +192,33 @@ fn finest(
     most: usize,
     step: f64,
 ) -> [Point; 3] {
-    let road = road(scene, effort, predictor, most, step);
-    reference(road, &predictor.grid, most, step)
+    let source = source(scene, effort, predictor, most, step);
+    reference(source, &predictor.grid, most, step)
 }
 
-fn road(scene: &Scene, effort: Effort, predictor: &Predictor, most: usize, step: f64) -> Road {
+fn source(scene: &Scene, effort: Effort, predictor: &Predictor, most: usize, step: f64) -> Source {
     if Atlas::refusal(scene).is_none() {
-        return Road::Atlas;
+        return Source::Atlas;
     }
     // Of other ground there are many branches; with a law that is not smooth, or where the mesh
     // traps edges, many folds.
     let few = predictor.grid.is_line() || scene.indenter.ground().has_one_crest();
     let clean = predictor.law.is_smooth() && is_safe(predictor.mu_rho(most));
     let driven = scene.control() == Control::Displacement && scene.body == Body::HalfSpace;
-    let roads = FINER.map(Road::Branches).into_iter();
-    let found = roads.filter(|_| few && clean && driven).find(|road| {
-        let loops = reference(*road, &predictor.grid, most, step);
+    let sources = FINER.map(Source::Branches).into_iter();
+    let found = sources.filter(|_| few && clean && driven).find(|source| {
+        let loops = reference(*source, &predictor.grid, most, step);
         predictor.of_reference(&loops) < REFERENCE / 1.5 * effort.seconds()
     });
-    found.unwrap_or(Road::Walk)
+    found.unwrap_or(Source::Walk)
 }
 
-fn reference(road: Road, grid: &Grid, most: usize, step: f64) -> [Point; 3] {
+fn reference(source: Source, grid: &Grid, most: usize, step: f64) -> [Point; 3] {
     let finer = |share: f64| next_fast((share * most as f64 + 1.0).ceil() as usize);
-    let (model, meshes) = match road {
-        Road::Atlas => (Strategy::Atlas, [1.5, 1.25].map(finer)),
-        Road::Branches(share) => (Strategy::Atlas, [1.0, COARSER].map(|s| finer(s * share))),
-        Road::Walk => (Strategy::WHOLE, [finer(1.2), most]),
+    let (model, meshes) = match source {
+        Source::Atlas => (Strategy::Atlas, [1.5, 1.25].map(finer)),
+        Source::Branches(share) => (Strategy::Atlas, [1.0, COARSER].map(|s| finer(s * share))),
+        Source::Walk => (Strategy::WHOLE, [finer(1.2), most]),
     };
     let step = step / 2.0;
     let mut loops = [
@@ -226,7 +226,7 @@ fn reference(road: Road, grid: &Grid, most: usize, step: f64) -> [Point; 3] {
         (meshes[1], step),
         (meshes[0], LONGER * step),
     ];
-    if let Road::Branches(_) = road {
+    if let Source::Branches(_) = source {
         // Where a jump is does not depend on the step: one loop tells of both.
         loops[1] = (meshes[1], LONGER * step);
         loops[2] = loops[1];
@@ -249,7 +249,7 @@ pub(super) fn walked(
     }
     let most = list.iter().map(|point| point.points).max();
     let most = most.unwrap_or(grid.nx);
-    Ok(reference(Road::Walk, &grid, most, 2.0 * finest[0].step))
+    Ok(reference(Source::Walk, &grid, most, 2.0 * finest[0].step))
 }
 
 /// The loop that tells along which branches a reference goes: the second of a walked one as

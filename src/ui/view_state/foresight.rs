@@ -30,26 +30,26 @@ pub(super) struct Ahead {
     pub spot: Spot,
 }
 
-/// The search for states of live loops, one at a time: the newest wish waits for the one before, so
+/// The search for states of live loops, one at a time: the newest request waits for the one before, so
 /// that a hand that drags sees something on its way.
 #[derive(Debug, Default)]
 pub struct Foresight {
-    wish: Option<Wanted>,
+    next: Option<Wanted>,
     job: Option<(Wanted, Job<Arc<Stored>>)>,
     /// The newest state that was found.
     pub found: Option<Arc<Stored>>,
 }
 
 impl Foresight {
-    /// Asks for a state; a wish that still waits is dropped.
+    /// Asks for a state; a request that still waits is dropped.
     pub fn ask(&mut self, wanted: Wanted) {
-        self.wish = Some(wanted);
+        self.next = Some(wanted);
     }
 
     /// The place that is asked for.
-    pub fn wish(&self) -> Option<&Wanted> {
+    pub fn wanted(&self) -> Option<&Wanted> {
         let searched = self.job.as_ref().map(|(wanted, _)| wanted);
-        self.wish.as_ref().or(searched)
+        self.next.as_ref().or(searched)
     }
 
     /// Takes in what was found, and begins the next search. Tells what is new: a state, or why there
@@ -66,8 +66,8 @@ impl Foresight {
             }
         }
         if self.job.is_none() {
-            let begin = |wish: Wanted| (wish.clone(), solver.job(wish, foreseen));
-            self.job = self.wish.take().map(begin);
+            let begin = |wanted: Wanted| (wanted.clone(), solver.job(wanted, foreseen));
+            self.job = self.next.take().map(begin);
         }
         news
     }
@@ -229,7 +229,7 @@ impl Beside {
         }
         if let Some(news) = self.foresight.update(solver) {
             let frame = news.map(|stored| Arc::new(stored.frame()));
-            // Of a wish that is no longer one nothing is shown.
+            // What is no longer asked for is not shown.
             if self.asked.is_some() {
                 self.shown = frame;
             }

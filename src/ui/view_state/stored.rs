@@ -84,9 +84,9 @@ impl Store {
     }
 }
 
-/// A stretch of one pattern along the control.
+/// The span of one pattern along the control.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Stretch {
+pub struct Span {
     /// Which way it was gone.
     pub direction: Direction,
     /// The control where it begins and where it ends.
@@ -95,7 +95,7 @@ pub struct Stretch {
     pub pattern: Pattern,
 }
 
-impl Stretch {
+impl Span {
     /// The letter of its pattern.
     pub fn letter(&self) -> &'static str {
         match self.pattern {
@@ -110,11 +110,11 @@ impl Stretch {
 }
 
 /// The patterns along a path, in order.
-pub fn stretches(record: &LoopRecord) -> Vec<Stretch> {
+pub fn spans(record: &LoopRecord) -> Vec<Span> {
     let mut before: Option<f64> = None;
-    let stretch = |piece: &[StateRecord]| {
+    let span = |piece: &[StateRecord]| {
         let [first, last] = [&piece[0], &piece[piece.len() - 1]];
-        Stretch {
+        Span {
             direction: first.direction,
             ends: [
                 before.replace(last.control).unwrap_or(first.control),
@@ -123,13 +123,13 @@ pub fn stretches(record: &LoopRecord) -> Vec<Stretch> {
             pattern: first.pattern,
         }
     };
-    record.pieces().map(stretch).collect()
+    record.pieces().map(span).collect()
 }
 
 /// The patterns that a live loop foresees.
-pub fn foreseen(live: &LiveLoop) -> Vec<Stretch> {
+pub fn foreseen(live: &LiveLoop) -> Vec<Span> {
     let legs = live.legs.iter();
-    legs.map(|leg| Stretch {
+    legs.map(|leg| Span {
         direction: leg.direction,
         ends: [leg.from, leg.to],
         pattern: live.segments[leg.segment].pattern,
