@@ -1,7 +1,7 @@
 //! How often the stated error holds: random loops on flat ground against an independent walk on a
 //! mesh half as fine again.
 //!
-//! Prints one row a loop, then the table of the README: `cargo run --release --no-default-features
+//! Prints one row a loop, then the table of the guide: `cargo run --release --no-default-features
 //! --example coverage`. Arguments: `COUNT` (200) and `FIRST` seed (1). Every smooth law, squares
 //! and lines, every strategy, stiff machines and springs, targets from 0.1 to 1e-5. A loop that does
 //! not complete, loses a jump or has one too many counts as outside.

@@ -345,9 +345,9 @@ fn the_fields_of_a_diagram_are_in_equilibrium_on_every_branch() {
     assert!(rows.next().is_none());
 }
 
-/// The lines of the README, but for the picture.
+/// The lines of the guide, but for the picture.
 #[test]
-fn the_lines_of_python_in_the_readme_find_every_state_in_equilibrium() {
+fn the_lines_of_python_in_the_guide_find_every_state_in_equilibrium() {
     let python = |script: &str, folder: &Path| {
         let mut python = Command::new("python3");
         python.args(["-c", script]).current_dir(folder).output()
@@ -357,8 +357,8 @@ fn the_lines_of_python_in_the_readme_find_every_state_in_equilibrium() {
         eprintln!("skipped: there is no python3 with numpy");
         return;
     }
-    let readme = content("README.md");
-    let (_, rest) = readme.split_once("```python\n").expect("some Python");
+    let page = content("assets/guide/results.md");
+    let (_, rest) = page.split_once("```python\n").expect("some Python");
     let (script, _) = rest.split_once("```").expect("its end");
     let lines: Vec<&str> = (script.lines())
         .filter(|line| !line.contains("plt"))

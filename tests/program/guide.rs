@@ -1,10 +1,11 @@
-//! What the guide promises: its table of an explorer names only tests and pictures that exist; and the
+//! What the guide promises: its links lead somewhere; its table of an explorer names only tests and pictures that exist; and the
 //! lessons can be done, say true numbers, and fail where their condition is made false.
 
 use crate::binary::{content, says};
 use crate::floors::files_under;
 use std::collections::BTreeSet;
-use std::path::Path;
+use std::fs;
+use std::path::{Path, PathBuf};
 use tackscope::lessons::{
     Act, Condition, Facts, Lesson, Progress, Question, Stage, all, find, parse,
 };
@@ -15,6 +16,7 @@ use tackscope::storage;
 use tackscope::worker::rehearse;
 
 const PAGE: &str = "assets/guide/explorer.md";
+const FOLDER: &str = "assets/guide";
 /// Whose users expect it.
 const EXPECTING: [&str; 6] = ["PhET", "VisualPDE", "XPPAUT", "Rerun", "Desmos", "GeoGebra"];
 
@@ -138,6 +140,59 @@ fn every_row_of_the_explorer_is_shown_by_a_test_or_picture_that_is_there_or_says
             };
             assert!(is_there, "{}: there is no {name}", row.can);
         }
+    }
+}
+
+/// The anchors of a page's headings, as GitHub makes them.
+fn anchors(page: &str) -> BTreeSet<String> {
+    let headings = page.lines().filter(|line| line.starts_with('#'));
+    let words = headings.map(|line| line.trim_start_matches('#').trim().to_lowercase());
+    words
+        .map(|words| {
+            let kept = words
+                .chars()
+                .filter(|c| c.is_alphanumeric() || " -".contains(*c));
+            kept.collect::<String>().replace(' ', "-")
+        })
+        .collect()
+}
+
+#[test]
+fn every_link_of_readme_and_guide_leads_somewhere_and_the_readme_links_every_page() {
+    let pages: Vec<PathBuf> = fs::read_dir(FOLDER)
+        .unwrap()
+        .map(|entry| entry.unwrap().path())
+        .collect();
+    let readme = PathBuf::from("README.md");
+    let mut linked = BTreeSet::new();
+    for page in pages.iter().chain([&readme]) {
+        let text = content(page);
+        let folder = page.parent().unwrap();
+        let targets = text.split("](").skip(1);
+        for target in targets.filter_map(|rest| Some(rest.split_once(')')?.0)) {
+            if target.starts_with("http") {
+                continue;
+            }
+            let (path, anchor) = target.split_once('#').unwrap_or((target, ""));
+            let path = if path.is_empty() {
+                page.clone()
+            } else {
+                folder.join(path)
+            };
+            assert!(path.exists(), "{}: {target}", page.display());
+            let known = anchor.is_empty() || anchors(&content(&path)).contains(anchor);
+            assert!(known, "{}: there is no heading {target}", page.display());
+            if *page == readme {
+                linked.insert(path);
+            }
+        }
+    }
+    for page in &pages {
+        assert!(
+            linked.contains(page),
+            "the README does not link {}",
+            page.display()
+        );
     }
 }
 
