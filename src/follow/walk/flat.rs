@@ -17,7 +17,7 @@ use crate::physics::indenter::Indenter;
 use crate::physics::pattern::Pattern;
 use crate::physics::system::{System, carried};
 use crate::physics::theory::flat_limits;
-use crate::scene::no_quarter;
+use crate::scene::{Model, no_quarter};
 use crate::solver::mechanics::Mechanics;
 use crate::solver::method::{Cost, Equilibrium, Stiffness, Stop};
 use crate::solver::newton::{NewtonLimits, solve};
@@ -45,7 +45,7 @@ pub(in crate::follow) fn apart(mechanics: &mut Mechanics, control: f64) -> Equil
     let system = &mechanics.system;
     let (law, length) = (*system.law(), system.equivalent_length());
     let mut z = vec![0.0; system.dimension()];
-    z[0] = Control::stop(&law);
+    z[0] = Control::stop(&law, length);
     let mut at = mechanics.at(z, control);
     // What is left of the load the stop bears.
     at.gradient[0] = 0.0;
@@ -195,7 +195,12 @@ impl Walk {
 
     /// True if a body at `u0` is on the stop, or has flown beyond it.
     pub(super) fn is_apart(&self, u0: f64) -> bool {
-        self.control().is_apart(&self.model.law, u0)
+        let Model {
+            law,
+            equivalent_length,
+            ..
+        } = &self.model;
+        self.control().is_apart(law, *equivalent_length, u0)
     }
 
     /// One increment on the stop: it holds as long as the load does not push.

@@ -39,7 +39,7 @@ pub(super) fn of_atlas(scene: &Scene, model: &Model) -> LoopRun {
         Some(turn) => atlas.cycle(start, turn),
         None => Err(Unmapped::anywhere("there is no atlas of this drive")),
     };
-    let mut run = LoopRun::empty();
+    let mut run = LoopRun::of(scene.control());
     match cycle {
         Ok(cycle) => {
             run.record.states = cycle
@@ -137,7 +137,7 @@ pub(super) fn of_diagram(
 ) -> LoopRun {
     let mut run = LoopRun {
         outcome: Outcome::Cancelled,
-        ..LoopRun::empty()
+        ..LoopRun::of(scene.control())
     };
     if let Ok(diagram) = diagram(scene, cancel, &mut |_, _, _| tell()) {
         let ground = Ground {
