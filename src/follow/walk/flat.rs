@@ -73,7 +73,16 @@ impl Walk {
             Ok(there) => (there, None),
             Err((stable, unstable)) => (stable, Some(unstable)),
         };
-        let reached = self.swift_step(gap, there, next);
+        // At the end of a block the control turns back, however far it has come.
+        let way = if unstable.is_some() && flat.gives_way_as_a_block() {
+            0.0
+        } else {
+            let [held, _] = self
+                .control()
+                .balanced(there, self.model.law.at(there).traction);
+            held - self.here.state.control
+        };
+        let reached = self.swift_step(gap, there, way.abs());
         let Some(unstable) = unstable.filter(|_| reached == there) else {
             self.here = flat.state(self.system(), reached);
             if reached == there {
@@ -112,13 +121,12 @@ impl Walk {
     }
 
     /// How far the flat state goes at once on the way from a `gap` to another while the control
-    /// goes to `next`.
-    fn swift_step(&self, gap: f64, there: f64, next: f64) -> f64 {
+    /// goes as far as `driven`.
+    fn swift_step(&self, gap: f64, there: f64, driven: f64) -> f64 {
         let (way, longest) = (there - gap, FLAT_STEP * self.model.law.range);
-        let asked = (next - self.here.state.control).abs();
         let is_swift = match self.control() {
             Control::Displacement => false,
-            Control::Spring { .. } => way.abs() > SWIFT * asked,
+            Control::Spring { .. } => way.abs() > SWIFT * driven,
             Control::Load => true,
         };
         if is_swift && way.abs() > longest {
