@@ -362,7 +362,10 @@ impl Atlas {
         let most = from.energy + 1e-6 * law.surface_energy;
         let pattern = rest.pattern;
         match pattern {
-            Pattern::Flat if self.flat.is_stable(u0) || self.meshes.control.is_apart(&law, u0) => {
+            Pattern::Flat
+                if self.flat.is_stable(u0)
+                    || self.meshes.control.is_apart(&law, self.meshes.length, u0) =>
+            {
                 return Ok(Place::Flat(self.flat.side_of(u0)));
             }
             Pattern::Flat => return Err(Unmapped::at(u0, "no rest was found")),

@@ -13,6 +13,8 @@ use std::f64::consts::PI;
 pub struct FlatBranch {
     law: Law,
     control: Control,
+    /// Side of the half-space's cell in which the longest wave is as stiff as the softest here.
+    cell: f64,
     /// Side of the cell whose longest wave is as stiff as what is softest here: the softest wave of
     /// the body, pi E*/L, or the machine, when the body moves as a block.
     length: f64,
@@ -30,6 +32,7 @@ impl FlatBranch {
         Self {
             law,
             control,
+            cell: length,
             length: length.max(block),
             as_a_block: block > length,
             unstable: flat_limits(&law, length.max(block)),
@@ -75,7 +78,7 @@ impl FlatBranch {
     pub fn gap_on(&self, side: Side, value: f64) -> f64 {
         let from = match (self.control, side) {
             (Control::Displacement, _) => return value,
-            (Control::Load, Side::Upper) => return Control::stop(&self.law),
+            (Control::Load, Side::Upper) => return Control::stop(&self.law, self.cell),
             // The spring is stretched there: the gap is smaller.
             (_, Side::Upper) => value + self.law.range,
             (_, Side::Lower) => self.law.equilibrium_gap(),

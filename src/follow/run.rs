@@ -5,6 +5,7 @@ use super::ledger::Ledger;
 use super::record::{Direction, JumpRecord, LoopRecord, Share, StateRecord};
 use super::walk::{Counts, Observed, Progress, Stuck, Walk, WalkOptions, Widened};
 use crate::numerics::threads::Cancel;
+use crate::physics::control::Control;
 use crate::physics::parameter::Refusal;
 use crate::physics::pattern::Pattern;
 use crate::scene::{Scene, Turn};
@@ -40,13 +41,12 @@ pub struct RivalLoop {
 }
 
 impl LoopRun {
-    /// A loop of which nothing is computed yet.
-    pub(crate) fn empty() -> Self {
-        let (record, counts) = (LoopRecord::default(), Counts::default());
+    /// A loop of this control of which nothing is computed yet.
+    pub(crate) fn of(control: Control) -> Self {
         Self {
-            record,
+            record: LoopRecord::of(control),
             outcome: Outcome::Completed,
-            counts,
+            counts: Counts::default(),
             landings: Vec::new(),
             deviation: None,
             error_bar: None,
@@ -223,8 +223,7 @@ struct Drive<'s> {
 
 impl<'s> Drive<'s> {
     fn new(walk: Walk, scene: &'s Scene) -> Self {
-        let (start, mut run) = (scene.drive.start, LoopRun::empty());
-        run.record.control = scene.control();
+        let (start, mut run) = (scene.drive.start, LoopRun::of(scene.control()));
         run.record.states.push(walk.record().clone());
         Self {
             scene,

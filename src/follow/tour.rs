@@ -61,7 +61,7 @@ impl Atlas {
             history: History::default(),
             extrapolates: false,
         };
-        let mut run = LoopRun::empty();
+        let mut run = LoopRun::of(scene.control());
         let mut ended = None;
         let points = even.dimension();
         let solve = |hand_on: &mut dyn FnMut(Step) -> bool| tour.go_round(scene, cancel, hand_on);
@@ -293,7 +293,8 @@ impl Tour<'_> {
     fn flat(&mut self, record: &mut StateRecord) -> Array2<f64> {
         let mechanics = &mut self.whole;
         let u0 = record.mean_displacement;
-        let flat = if mechanics.system.control().is_apart(&self.model.law, u0) {
+        let (law, length) = (&self.model.law, self.model.equivalent_length);
+        let flat = if mechanics.system.control().is_apart(law, length, u0) {
             apart(mechanics, record.control)
         } else {
             self.atlas.flat().state(&mechanics.system, u0)

@@ -23,6 +23,9 @@ use std::fmt;
 
 /// Traction at the stop of a load over the largest: a tenth of the residual of every state.
 const TRACE: f64 = 1e-7;
+/// Largest u0 at which contact holds, over sqrt(gamma L/E*), and half as much again: a ridge of zero
+/// range lets go at 0.666, and uneven ground is farther away.
+const REACH: f64 = 1.0;
 
 /// What is driven.
 #[derive(Clone, Copy, Debug, PartialEq, Default, Serialize, Deserialize)]
@@ -84,9 +87,17 @@ impl Control {
         }
     }
 
-    /// u0 of the stop on which a load holds the body apart (length), the highest point of the
-    /// ground at zero: where the ground is not felt any more.
-    pub fn stop(law: &Law) -> f64 {
+    /// u0 of the stop on which a load holds the body apart (length), in a cell in which the softest
+    /// wave is as stiff as the longest of a half-space in one of side `length`; the highest point of
+    /// the ground at zero. There the ground is not felt any more, neither by a flat surface nor by
+    /// one that is pulled out towards it.
+    pub fn stop(law: &Law, length: f64) -> f64 {
+        let pulled_out = law.contact_gap() + REACH * (law.surface_energy * length).sqrt();
+        Self::unfelt(law).max(pulled_out)
+    }
+
+    /// The gap (length) from which on a law is not felt any more.
+    pub fn unfelt(law: &Law) -> f64 {
         let felt = |gap: f64| law.at(gap).traction > TRACE * law.traction_max();
         let (near, mut width) = (law.contact_gap(), law.range);
         while felt(near + width) {
@@ -96,8 +107,8 @@ impl Control {
     }
 
     /// True if a body at `u0` is on that stop, or has flown beyond it.
-    pub fn is_apart(&self, law: &Law, u0: f64) -> bool {
-        *self == Self::Load && u0 >= Self::stop(law)
+    pub fn is_apart(&self, law: &Law, length: f64, u0: f64) -> bool {
+        *self == Self::Load && u0 >= Self::stop(law, length)
     }
 
     /// True if u0 is an unknown.

@@ -209,7 +209,7 @@ impl Scene {
         }
         // The machine pulls where the body does not touch.
         let upper = match control {
-            Control::Load => Control::stop(law),
+            Control::Load => Control::stop(law, model.equivalent_length),
             _ => upper,
         };
         if model.indenter != Indenter::Flat {

@@ -196,7 +196,7 @@ impl Release {
         let gap = self.at.fields.gap.iter().copied();
         matches!(system.control(), Control::Spring { .. })
             && self.at.state.amplitudes[0] < 0.0
-            && gap.fold(f64::INFINITY, f64::min) > Control::stop(system.law())
+            && gap.fold(f64::INFINITY, f64::min) > Control::unfelt(system.law())
     }
 
     /// Whether the steepest way is slow, or from rest would still be after its steps.

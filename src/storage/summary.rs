@@ -308,7 +308,7 @@ impl Summary {
     ) -> Self {
         let run = LoopRun {
             outcome: Outcome::Cancelled,
-            ..LoopRun::empty()
+            ..LoopRun::of(scene.control())
         };
         let nothing = Timed {
             run,

@@ -230,6 +230,18 @@ fn sprung(stiffness: f64) -> Scene {
     driven(preset("fig2"), spring, [9.0, -6.0, 0.25])
 }
 
+#[test]
+fn the_loop_integral_along_the_atlas_is_what_the_jumps_release_under_every_machine() {
+    let load = driven(preset("fig2"), Control::Load, [0.12, -0.05, 0.002]);
+    for scene in [sprung(0.3), sprung(0.01), load] {
+        let run = planned(&scene);
+        let ledger = run.record.ledger(scene.law.surface_energy);
+        let off = (ledger.loop_integral - ledger.released_energy_sum).abs();
+        let stated = ledger.integral_error + 1e-3 * ledger.released_energy_sum;
+        assert!(off < stated, "{:?}: {ledger:?}", scene.drive.control);
+    }
+}
+
 /// All kinds of machine: a spring under which every pattern is met, those that skip the bulge and
 /// the ridge, one under which the flat state falls as a block, and a load.
 #[test]

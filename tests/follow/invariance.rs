@@ -117,6 +117,27 @@ fn a_quarter_of_the_cell_jumps_where_the_whole_does() {
     assert_same(&whole, &quarter, 5e-3, 0.3, "48 points");
 }
 
+#[test]
+fn a_faint_jump_over_faint_waves_is_met_with_any_step() {
+    let mut scene = wavy();
+    scene.cell.length = 36.0;
+    scene.cell.points = Points::Square(36);
+    (scene.law.surface_energy, scene.law.range) = (0.032374, Range::Length(0.26196));
+    scene.indenter = Indenter::Wave(Wave {
+        amplitude: 0.009428,
+        periods: [1, 1],
+    });
+    (scene.drive.start, scene.drive.turn) = (1.4192, Turn::At(-0.05733));
+    let run = |step| {
+        let mut scene = scene.clone();
+        scene.drive.step = step;
+        walked(&scene, Part::Quarter)
+    };
+    let [long, short] = [0.055934, 0.027967].map(run);
+    assert_eq!(long.record.jumps.len(), 6, "{:?}", long.record.jumps);
+    assert_same(&long, &short, 1e-3, 0.26196, "half the step");
+}
+
 /// The next jump on the way from where `walk` stands to `target`.
 fn next_jump(mut walk: Walk, target: f64) -> JumpRecord {
     walk.set_target(target);

@@ -1,14 +1,17 @@
 //! Loops on wavy and rough ground: they close, their ledger closes, nothing gains energy, and parts
 //! of the cell agree with the whole.
 
-use crate::loops::{accounts, assert_stable, on, preset, preset_on, reach, start, walked};
+use crate::loops::{
+    accounts, assert_same_jumps, assert_stable, on, preset, preset_on, reach, start, walked,
+};
 use std::sync::OnceLock;
 use tackscope::follow::record::{Direction, StateRecord};
 use tackscope::follow::run::{LoopRun, Outcome, run_loop};
 use tackscope::follow::walk::Walk;
 use tackscope::numerics::threads::Cancel;
 use tackscope::paper::measured_law::MeasuredLaw;
-use tackscope::physics::indenter::{Indenter, Wave};
+use tackscope::physics::indenter::{Indenter, Measured, Wave};
+use tackscope::physics::topography::{Periodic, Topography, Unit};
 use tackscope::scene::{Part, Points, Range, Scene, Strategy, Turn};
 use tackscope::solver::Stop;
 use tackscope::study::plan::plan;
@@ -207,6 +210,38 @@ fn waves_along_x_alone_let_patterns_slide_along_y() {
     // instability wherever a neck has formed.
     assert!(run.record.jumps.len() < 12, "{:?}", run.record.jumps);
     none_gains(&run);
+}
+
+#[test]
+fn over_a_measured_grating_patterns_slide_as_over_the_waves_it_was_measured_from() {
+    let mut scene = preset_on("wavy", Points::Square(32));
+    scene.law.range = Range::Length(0.3);
+    scene.drive.step = 0.05;
+    for periods in [[1, 0], [0, 1]] {
+        scene.indenter = Indenter::Wave(Wave {
+            amplitude: 0.05,
+            periods,
+        });
+        let model = scene.model().unwrap();
+        let map = Topography {
+            file: "grating".into(),
+            format: "test",
+            heights: model.indenter.height(&model.grid).unwrap(),
+            size: Some([scene.cell.length; 2]),
+            unit: Unit::Scene,
+        };
+        let measured = Indenter::Measured(Measured::new(map).continued(Periodic::AsIs));
+        assert_eq!(measured.ground().is_uniform(), periods.map(|p| p == 0));
+        let waves = walked(&scene, Part::Whole);
+        let other = Scene {
+            indenter: measured,
+            ..scene.clone()
+        };
+        // A pattern breaks the waves up, and slides along them.
+        assert!(waves.record.jumps.len() >= 4, "{:?}", waves.record.jumps);
+        let grating = walked(&other, Part::Whole);
+        assert_same_jumps(&waves.record.jumps, &grating.record.jumps, 1e-4);
+    }
 }
 
 #[test]

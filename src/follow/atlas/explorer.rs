@@ -151,9 +151,10 @@ impl Explorer {
         loop {
             let slice = release.advance(&mut self.mechanics, SLICE);
             let (system, u0) = (self.system(), release.at.state.mean_displacement);
+            let (law, length) = (system.law(), system.equivalent_length());
             match slice {
-                Slice::Moving if system.control().is_apart(system.law(), u0) => {
-                    let stop = Control::stop(system.law());
+                Slice::Moving if system.control().is_apart(law, length, u0) => {
+                    let stop = Control::stop(law, length);
                     return Rest::without_amplitudes(stop, Pattern::Flat);
                 }
                 Slice::Moving => {}

@@ -31,6 +31,11 @@ pub(super) const FIRST: f64 = 0.05;
 /// Step, in ranges, below which nobody asks whether a falling eigenvalue was negative on the way.
 const PASSED: f64 = 1e-3;
 
+/// What three states may miss of the energy, over what two miss, and over the way times the largest
+/// traction: a quarter where the stress falls off like a root towards a fold.
+const BENT: f64 = 0.25;
+const MISSED: f64 = 1e-4;
+
 /// Width, in ranges, of a bracket in which a state of undecided stability is taken for its end.
 const AT_END: f64 = 1e-3;
 
@@ -197,7 +202,8 @@ impl Walk {
                     Err(stuck) => return Progress::Stuck(stuck),
                 };
                 state.measured(stiffness, mode);
-                if locates && self.barrier().is_none() && self.passed_an_end(&state) {
+                let unseen = self.passed_an_end(&state) || self.lost_energy(&state);
+                if locates && self.barrier().is_none() && unseen {
                     self.behind.short = Some(0.5 * (next - here).abs());
                     return Progress::Working;
                 }
@@ -258,6 +264,34 @@ impl Walk {
         let expected =
             now.value + (now.value - before.stiffness) / (here - before.at) * (there - here);
         expected < 0.0 && next.stop == Stop::Stable && (there - here).abs() > PASSED * self.unit()
+    }
+
+    /// True if on the way to `next` over uneven ground more energy is missing than along a branch
+    /// that bends as its last three states tell: a jump may hide in a step of two states.
+    fn lost_energy(&self, next: &Equilibrium) -> bool {
+        let (here, there) = (&self.here.state, &next.state);
+        let step = there.control - here.control;
+        let Some(before) = self.behind.before.filter(|_| !self.system().is_flat()) else {
+            return false;
+        };
+        if step.abs() <= PASSED * self.unit() {
+            return false;
+        }
+        let [a, b, c] = [
+            before.conjugate,
+            self.conjugate(here),
+            self.conjugate(there),
+        ];
+        let bend =
+            ((c - b) / step - (b - a) / (here.control - before.at)) / (there.control - before.at);
+        let curved = bend * step.powi(3) / 6.0;
+        let missing = there.energy - here.energy - 0.5 * (b + c) * step + curved;
+        let scale = if self.control() == Control::Load {
+            self.model.law.range
+        } else {
+            self.model.law.traction_max()
+        };
+        missing.abs() > BENT * curved.abs() + MISSED * scale * step.abs()
     }
 
     /// After a step that went well: a barrier behind which nothing is expected was only too long a

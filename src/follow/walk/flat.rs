@@ -17,7 +17,7 @@ use crate::physics::indenter::Indenter;
 use crate::physics::pattern::Pattern;
 use crate::physics::system::{System, carried};
 use crate::physics::theory::flat_limits;
-use crate::scene::no_quarter;
+use crate::scene::{Model, no_quarter};
 use crate::solver::mechanics::Mechanics;
 use crate::solver::method::{Cost, Equilibrium, Stiffness, Stop};
 use crate::solver::newton::{NewtonLimits, solve};
@@ -45,7 +45,7 @@ pub(in crate::follow) fn apart(mechanics: &mut Mechanics, control: f64) -> Equil
     let system = &mechanics.system;
     let (law, length) = (*system.law(), system.equivalent_length());
     let mut z = vec![0.0; system.dimension()];
-    z[0] = Control::stop(&law);
+    z[0] = Control::stop(&law, length);
     let mut at = mechanics.at(z, control);
     // What is left of the load the stop bears.
     at.gradient[0] = 0.0;
@@ -73,7 +73,16 @@ impl Walk {
             Ok(there) => (there, None),
             Err((stable, unstable)) => (stable, Some(unstable)),
         };
-        let reached = self.swift_step(gap, there, next);
+        // At the end of a block the control turns back, however far it has come.
+        let way = if unstable.is_some() && flat.gives_way_as_a_block() {
+            0.0
+        } else {
+            let [held, _] = self
+                .control()
+                .balanced(there, self.model.law.at(there).traction);
+            held - self.here.state.control
+        };
+        let reached = self.swift_step(gap, there, way.abs());
         let Some(unstable) = unstable.filter(|_| reached == there) else {
             self.here = flat.state(self.system(), reached);
             if reached == there {
@@ -112,13 +121,12 @@ impl Walk {
     }
 
     /// How far the flat state goes at once on the way from a `gap` to another while the control
-    /// goes to `next`.
-    fn swift_step(&self, gap: f64, there: f64, next: f64) -> f64 {
+    /// goes as far as `driven`.
+    fn swift_step(&self, gap: f64, there: f64, driven: f64) -> f64 {
         let (way, longest) = (there - gap, FLAT_STEP * self.model.law.range);
-        let asked = (next - self.here.state.control).abs();
         let is_swift = match self.control() {
             Control::Displacement => false,
-            Control::Spring { .. } => way.abs() > SWIFT * asked,
+            Control::Spring { .. } => way.abs() > SWIFT * driven,
             Control::Load => true,
         };
         if is_swift && way.abs() > longest {
@@ -195,7 +203,12 @@ impl Walk {
 
     /// True if a body at `u0` is on the stop, or has flown beyond it.
     pub(super) fn is_apart(&self, u0: f64) -> bool {
-        self.control().is_apart(&self.model.law, u0)
+        let Model {
+            law,
+            equivalent_length,
+            ..
+        } = &self.model;
+        self.control().is_apart(law, *equivalent_length, u0)
     }
 
     /// One increment on the stop: it holds as long as the load does not push.

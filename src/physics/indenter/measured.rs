@@ -66,6 +66,9 @@ const WAVES_PROFILE: usize = POINTS_MAX / 2 - 1;
 /// Share of the mean square slope that may be left out unsaid.
 const UNSAID: f64 = 0.01;
 
+/// Amplitude over the largest height that rounding leaves of a wave that is not there.
+const ROUNDING: f64 = 1e-13;
+
 /// How far `cell.length` may be from the period, as a share: it is written by hand.
 const LENGTH_TOLERANCE: f64 = 1e-6;
 
@@ -328,6 +331,8 @@ impl Measured {
             }
         };
         let most = if ny == 1 { WAVES_PROFILE } else { WAVES_MAP };
+        let given = self.topography.heights.iter();
+        let largest = given.fold(0.0, |most: f64, h| most.max((scale * h).abs()));
         let (mut waves, mut rings) = (Vec::new(), vec![0.0; nx.max(ny) / 2 + 1]);
         for ((l, k), amplitude) in amplitudes.indexed_iter() {
             let (x, y) = (signed(k, nx), signed(l, ny));
@@ -342,6 +347,10 @@ impl Measured {
             }
             let ring = x.max(y.abs()) as usize;
             rings[ring] += 0.5 * amplitude.norm_sqr() * q * q;
+            // What rounding leaves of none would hold patterns that slide.
+            if amplitude.norm() <= ROUNDING * largest {
+                continue;
+            }
             // The last wave of an even number of points has no phase, and is no wave of a finer mesh.
             let told = 2 * x < nx as i64 && 2 * y.abs() < ny.max(2) as i64;
             if ring <= most && told {
@@ -432,7 +441,8 @@ impl Ground for Measured {
     }
 
     fn is_uniform(&self) -> [bool; 2] {
-        [false, self.topography.heights.nrows() == 1]
+        let waves = self.worked().as_ref().map(|worked| &worked.waves);
+        [0, 1].map(|axis| waves.is_ok_and(|waves| waves.iter().all(|w| w.wave[axis] == 0)))
     }
 
     /// The highest point of the file above its mean.

@@ -35,7 +35,7 @@ pub(super) fn of_atlas(scene: &Scene, model: &Model) -> LoopRun {
     // As the live loop does.
     let mut atlas = Atlas::of(scene, model);
     let start = scene.drive.start;
-    let mut run = LoopRun::empty();
+    let mut run = LoopRun::of(scene.control());
     match atlas.cycle(start, scene.depth()) {
         Ok(cycle) => {
             run.record.states = cycle
@@ -133,7 +133,7 @@ pub(super) fn of_diagram(
 ) -> LoopRun {
     let mut run = LoopRun {
         outcome: Outcome::Cancelled,
-        ..LoopRun::empty()
+        ..LoopRun::of(scene.control())
     };
     if let Ok(diagram) = diagram(scene, cancel, &mut |_, _, _| tell()) {
         let ground = Ground {
