@@ -29,9 +29,10 @@ use crate::solver::mechanics::Mechanics;
 use crate::solver::method::Lost;
 use crate::solver::sector::{Node, SHARP, Sector, Side};
 use explorer::{Rest, pattern_of};
+use read_off::node_between;
 use std::fmt;
 use std::sync::Arc;
-use trace::{adapt, both_ways, node_between};
+use trace::{adapt, both_ways};
 
 /// What an atlas is made for.
 #[derive(Clone, Copy, Debug, PartialEq)]

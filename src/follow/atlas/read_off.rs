@@ -6,9 +6,10 @@ use crate::follow::record::{Cause, Direction, EVENT, JumpRecord, LOCATED};
 use crate::numerics::dense::{add, hermite};
 use crate::physics::control::Control;
 use crate::physics::pattern::Pattern;
-use crate::physics::system::State;
+use crate::physics::system::{Fields, State};
 use crate::physics::theory::boundary;
-use crate::solver::sector::{Node, Side};
+use crate::solver::method::Lost;
+use crate::solver::sector::{Node, Sector, Side};
 
 /// How a branch of stable states ends.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -145,6 +146,31 @@ pub(super) fn guess(a: &Node, b: &Node, u0: f64) -> Vec<f64> {
     add(&mut z, 2.0 * s - s * s, &change);
     add(&mut z, 2.0 * width * (s * s - s), &regular.tangent);
     z
+}
+
+/// The node at `u0` on the curve between two others, with its fields. Near a fold of u0, and far from
+/// the other node, the curve may be too far from the branch: then it is drawn to a node in between,
+/// where the surface is twice as far from the fold.
+///
+/// # Errors
+/// As [`Sector::node`].
+pub fn node_between(
+    sector: &mut Sector,
+    (a, b): (&Node, &Node),
+    u0: f64,
+    before: Option<&Node>,
+    tolerance: f64,
+) -> Result<(Node, Fields), Lost> {
+    let mut found = sector.node(u0, guess(a, b, u0), before, tolerance);
+    let (fold, other) = if a.is_vertical() { (a, b) } else { (b, a) };
+    let (off, width) = (u0 - fold.u0(), other.u0() - fold.u0());
+    let share = off / width;
+    if found.is_err() && fold.is_vertical() && 0.0 < share && share < 0.25 {
+        let farther = fold.u0() + 4.0 * off;
+        let (nearer, _) = node_between(sector, (a, b), farther, before, tolerance)?;
+        found = sector.node(u0, guess(&nearer, fold, u0), Some(&nearer), tolerance);
+    }
+    found
 }
 
 /// Cubic Hermite between two regular nodes, at any u0.

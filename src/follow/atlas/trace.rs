@@ -2,7 +2,7 @@
 //! branch for a law or a cell a little different, found again from its ends and nodes.
 
 use super::fading::{Fading, refade};
-use super::read_off::{Branch, End, Support, between, guess};
+use super::read_off::{Branch, End, Support, between, node_between};
 use crate::follow::record::LOCATED;
 use crate::numerics::dense::{add, norm};
 use crate::physics::control::Control;
@@ -200,7 +200,8 @@ fn at_fold(
     let ahead = side.sign() * (end.u0() - here.u0());
     let turns_back = end.own < LEFT * here.own.max(FOLDED * q1)
         && norm(&end.state.amplitudes) > LEFT * norm(&here.state.amplitudes);
-    if !turns_back || !(ahead > -1e-9 * range && ahead < 4.0 * NEAR_FOLD * range) {
+    let is_near = ahead > -1e-9 * range && ahead < 4.0 * NEAR_FOLD * range;
+    if !turns_back || !is_near {
         return None;
     }
     if end.breaking < SOFT * q1 {
@@ -332,31 +333,6 @@ fn turning_point(control: Control, stable: &Node, beyond: &Node) -> f64 {
     boundary(from.u0, to.u0, |u0| {
         !control.softens([1.0, from.to(to, u0).slope])
     })
-}
-
-/// The node at `u0` on the curve between two others, with its fields. Near a fold of u0, and far from
-/// the other node, the curve may be too far from the branch: then it is drawn to a node in between,
-/// where the surface is twice as far from the fold.
-///
-/// # Errors
-/// As [`Sector::node`].
-pub fn node_between(
-    sector: &mut Sector,
-    (a, b): (&Node, &Node),
-    u0: f64,
-    before: Option<&Node>,
-    tolerance: f64,
-) -> Result<(Node, Fields), Lost> {
-    let mut found = sector.node(u0, guess(a, b, u0), before, tolerance);
-    let (fold, other) = if a.is_vertical() { (a, b) } else { (b, a) };
-    let (off, width) = (u0 - fold.u0(), other.u0() - fold.u0());
-    let share = off / width;
-    if found.is_err() && fold.is_vertical() && 0.0 < share && share < 0.25 {
-        let farther = fold.u0() + 4.0 * off;
-        let (nearer, _) = node_between(sector, (a, b), farther, before, tolerance)?;
-        found = sector.node(u0, guess(&nearer, fold, u0), Some(&nearer), tolerance);
-    }
-    found
 }
 
 /// The node there. As the control is stationary, its value and the energy are known to second order
