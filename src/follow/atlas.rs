@@ -29,9 +29,10 @@ use crate::solver::mechanics::Mechanics;
 use crate::solver::method::Lost;
 use crate::solver::sector::{Node, SHARP, Sector, Side};
 use explorer::{Rest, pattern_of};
+use read_off::node_between;
 use std::fmt;
 use std::sync::Arc;
-use trace::{adapt, both_ways, node_between};
+use trace::{adapt, both_ways};
 
 /// What an atlas is made for.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -232,24 +233,29 @@ impl Atlas {
         if let Some(known) = self.landings[row][end] {
             return Ok(known);
         }
+        if self.fades(place, side) {
+            return Ok(Place::Flat(side));
+        }
         let from = self.end_state(place, side);
         let onwards = side.sign() * self.meshes.control.unit(&self.meshes.law);
         let mut refusal = Unmapped::at(from.mean_displacement, "the surface falls nowhere");
         // Where waves soften the limits of the flat state are known exactly.
         let is_exact = matches!(place, Place::Flat(_)) && !self.flat.gives_way_as_a_block();
-        let attempts = if is_exact { &ATTEMPTS[..1] } else { &ATTEMPTS };
-        for beyond in attempts {
+        for beyond in &ATTEMPTS {
             if self.cancel.requested() {
                 break;
             }
-            let rest = match place {
-                Place::Flat(_) if is_exact => self.off_flat(side, from.mean_displacement),
-                _ => {
-                    let (z, mode) = self.kick(place, side)?;
-                    let control = from.control + beyond * onwards;
-                    self.explorer.release(&z, &mode, control)
-                }
+            let (rest, from) = if is_exact {
+                let u0 = from.mean_displacement + beyond * side.sign() * self.meshes.law.range;
+                let flat = self.explorer.system().uniform(u0).state;
+                (self.off_flat(side, u0), flat)
+            } else {
+                let (z, mode) = self.kick(place, side)?;
+                let control = from.control + beyond * onwards;
+                (self.explorer.release(&z, &mode, control), from.clone())
             };
+            // At the limit itself it rests where it is if a pattern comes out of it continuously.
+            let stays = rest.pattern == Pattern::Flat;
             match self.settle(&from, rest) {
                 Ok(next) if next != place => {
                     self.landings[row][end] = Some(next);
@@ -257,6 +263,9 @@ impl Atlas {
                 }
                 Ok(_) => {}
                 Err(error) => refusal = error,
+            }
+            if is_exact && !stays {
+                break;
             }
         }
         Err(refusal)
@@ -335,7 +344,7 @@ impl Atlas {
         let sector = self.sector(branch.pattern);
         let own = sector.system();
         let mut mode = match branch.ends[side.index()] {
-            End::Fold => carried(&node.tangent, own, explorer.system()),
+            End::Fold | End::Flat => carried(&node.tangent, own, explorer.system()),
             End::Breaking if node.breaks_oddly => {
                 let u0 = node.u0();
                 return Err(Unmapped::at(
@@ -462,6 +471,13 @@ impl Atlas {
         if branch.is_ridge() {
             return Pattern::Ridge;
         }
+        // Where it fades there is none: that of the node next to it.
+        let [low, high] = Side::BOTH.map(|side| branch.beside(side).u0());
+        let u0 = match branch.ends {
+            [End::Flat, _] if u0 < low => low,
+            [_, End::Flat] if u0 > high => high,
+            _ => u0,
+        };
         pattern_of(&mut self.square.mechanics, &branch.guess(u0), u0)
     }
 

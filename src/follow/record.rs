@@ -11,6 +11,9 @@ use std::fmt;
 /// runs of any step or seed may differ.
 pub const LOCATED: f64 = 1e-5;
 
+/// Released energy, in gamma, up to which a pattern that goes over into another has not jumped.
+pub(super) const EVENT: f64 = 1e-6;
+
 /// Direction of the drive.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
 pub enum Direction {

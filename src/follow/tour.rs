@@ -13,13 +13,16 @@ use crate::scene::{Model, Part, Scene};
 use crate::solver::class_proof::Known;
 use crate::solver::mechanics::Mechanics;
 use crate::solver::method::{History, Stiffness, Stop, distance};
-use crate::solver::sector::{Measured, Node};
+use crate::solver::sector::{Measured, Node, Side};
 use ndarray::Array2;
 use std::time::Instant;
 
 /// Distance from a jump of the last state before it, in units of the control: half the walk's
 /// bracket, and more than the jump is uncertain.
 const HAIR: f64 = 5e-5;
+/// Distance from where a pattern fades of the states next to it, in units of the control: nearer, the
+/// flat state is as good as they are within [`TOLERANCE`].
+const FAINT: f64 = 1e-3;
 /// An eigenvalue (E*/L) below which a branch is at its end.
 const SOFT: f64 = 0.02;
 /// Residual of every recorded state.
@@ -231,10 +234,10 @@ impl Tour<'_> {
         let (start, turn, step) = (scene.drive.start, scene.depth(), scene.drive.step);
         let mut traversal = Traversal::new(self.atlas, start, turn)?;
         while let Some(leg) = traversal.leg(self.atlas) {
-            let edge = traversal
-                .jumps_next()
-                .then_some(HAIR * scene.control().unit(&self.model.law));
-            for value in stations(&leg, start, step, edge, self.fold(&leg)) {
+            let hair = HAIR * scene.control().unit(&self.model.law);
+            let edge = traversal.jumps_next().then_some(hair);
+            let fold = self.fold(&leg);
+            for value in stations(&self.without_faint(leg), start, step, edge, fold) {
                 let found = self.state(&leg, value);
                 if cancel.requested() || !hand_on(Step::State(Box::new(found?))) {
                     return Ok(Outcome::Cancelled);
@@ -250,6 +253,26 @@ impl Tour<'_> {
         }
         traversal.closed()?;
         Ok(Outcome::Completed)
+    }
+
+    /// The leg without what is next to where its pattern fades.
+    fn without_faint(&self, leg: Leg) -> Leg {
+        let side = if leg.to > leg.from {
+            Side::Upper
+        } else {
+            Side::Lower
+        };
+        let faint = side.sign() * FAINT * self.atlas.meshes().control.unit(&self.model.law);
+        let share = |side, control: f64| {
+            let Place::On(i) = leg.place else { return 0.0 };
+            let fades = self.atlas.fades(leg.place, side);
+            f64::from(fades && control == self.atlas.extent(i)[side.index()])
+        };
+        Leg {
+            from: leg.from + faint * share(side.opposite(), leg.from),
+            to: leg.to - faint * share(side, leg.to),
+            ..leg
+        }
     }
 
     /// True if the leg runs into a fold.

@@ -242,6 +242,9 @@ pub struct NewtonKrylov;
 /// to where that loses its stiffness the usual residual leaves a hundredth and more, which reads as
 /// straying from the branch.
 const UNDECIDED: f64 = 3e-5;
+/// The same in units of the step: towards the end of a branch steps are as short as it is to be
+/// located.
+const SHARE: f64 = 0.01;
 /// The sharpest residual, as a share of the usual: below it patterns between mesh points labour on
 /// the mesh's own pull.
 const SHARPEST: f64 = 1e-4;
@@ -265,7 +268,7 @@ impl Method for NewtonKrylov {
         let before = mechanics.transforms();
         let guess = predicted(mechanics, branch, from, control);
         let reach = reach(&mechanics.system, &from.state, &guess, control);
-        let limits = limits(&mechanics.system, from);
+        let limits = limits(&mechanics.system, from, control);
         let mut found = solve(mechanics, guess.clone(), control, limits);
         // No sharper than usual, and still that.
         if found.end != Err(Lost::Gone)
@@ -287,14 +290,16 @@ impl Method for NewtonKrylov {
     }
 }
 
-/// What to ask for next to the state `from`: a residual that leaves less than [`UNDECIDED`] open
-/// along its softest mode.
-fn limits(system: &System, from: &Equilibrium) -> NewtonLimits {
+/// What to ask for next to the state `from` where the control is `control`: a residual that leaves
+/// less than [`UNDECIDED`] open along its softest mode, and less than [`SHARE`] of the step.
+fn limits(system: &System, from: &Equilibrium, control: f64) -> NewtonLimits {
     let usual = NewtonLimits::of(system);
     let softest = from
         .stiffness_min
         .map_or(f64::INFINITY, |stiffness| stiffness.value.abs());
-    let decided = UNDECIDED * system.law().range * softest / system.law().traction_max();
+    let step = (control - from.state.control).abs() / system.control().unit(system.law());
+    let undecided = UNDECIDED.min(SHARE * step);
+    let decided = undecided * system.law().range * softest / system.law().traction_max();
     NewtonLimits {
         tolerance: decided.min(usual.tolerance).max(SHARPEST * usual.tolerance),
         ..usual

@@ -11,7 +11,7 @@ use super::class_proof::Known;
 use super::mechanics::{Mechanics, Rates};
 use super::method::{Lost, Stiffness};
 use super::newton::{NewtonLimits, Residual, descend, downhill, solve};
-use crate::numerics::dense::dot;
+use crate::numerics::dense::{dot, norm};
 use crate::numerics::eigen::{EigenLimits, EigenPairs, smallest};
 use crate::numerics::krylov::CgLimits;
 use crate::numerics::threads::Cancel;
@@ -107,6 +107,12 @@ impl Node {
     /// Mean displacement (length).
     pub fn u0(&self) -> f64 {
         self.state.mean_displacement
+    }
+
+    /// True where amplitudes go with the root of the distance in u0: at a fold, and where the branch
+    /// comes out of the flat state.
+    pub fn is_vertical(&self) -> bool {
+        !self.slope.is_finite() || norm(&self.state.amplitudes) == 0.0
     }
 
     /// The smallest eigenvalue under `control` (E* per length). With u0 free no more than that along
@@ -272,6 +278,18 @@ impl Sector {
         let (mut node, fields) = self.node(u0, z, before, SHARP)?;
         self.sharpen(&mut node, &fields);
         Ok(node)
+    }
+
+    /// The flat state at its limit `u0`, where a branch comes out of it continuously and with this
+    /// `slope`: nothing holds its waves there, of this symmetry or of another.
+    pub fn out_of_flat(&self, u0: f64, slope: f64) -> Node {
+        let flat = self.system().uniform(u0).state;
+        let tangent = vec![0.0; flat.amplitudes.len()];
+        Node {
+            own: 0.0,
+            breaking: 0.0,
+            ..Node::bare(flat, slope, tangent)
+        }
     }
 
     /// Down to the minimum at `u0` in whose valley `z` lies; `None` if it is not found. For guesses

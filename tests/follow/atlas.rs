@@ -375,6 +375,7 @@ fn ends_of_branches_are_folds_or_breakings_as_their_nodes_say() {
                         node.breaking * 256.0
                     );
                 }
+                End::Flat => panic!("no pattern of this cell fades"),
             }
         }
         // dV/du0 = stress along the curve, by central differences.

@@ -14,5 +14,6 @@ mod ledger;
 #[path = "../shared/loops.rs"]
 mod loops;
 mod push;
+mod short_cells;
 mod uneven;
 mod walk;

@@ -2,13 +2,14 @@
 //! for any drive, a loop: the legs between jumps, and the energy each jump releases.
 
 use super::{Atlas, Unmapped};
-use crate::follow::record::{Cause, Direction, JumpRecord, LOCATED};
+use crate::follow::record::{Cause, Direction, EVENT, JumpRecord, LOCATED};
 use crate::numerics::dense::{add, hermite};
 use crate::physics::control::Control;
 use crate::physics::pattern::Pattern;
-use crate::physics::system::State;
+use crate::physics::system::{Fields, State};
 use crate::physics::theory::boundary;
-use crate::solver::sector::{Node, Side};
+use crate::solver::method::Lost;
+use crate::solver::sector::{Node, Sector, Side};
 
 /// How a branch of stable states ends.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -17,6 +18,8 @@ pub enum End {
     Fold,
     /// It goes on, unstable, where a mode of another symmetry has gone soft.
     Breaking,
+    /// Its pattern fades away at a limit of the flat state, which is stable beyond: no jump.
+    Flat,
 }
 
 /// A branch of stable states between its two ends.
@@ -70,6 +73,14 @@ impl Branch {
         }
     }
 
+    /// The node next to the upper or the lower end.
+    pub(super) fn beside(&self, side: Side) -> &Node {
+        match side {
+            Side::Lower => &self.nodes[1],
+            Side::Upper => &self.nodes[self.nodes.len() - 2],
+        }
+    }
+
     pub(super) fn segment(&self, u0: f64) -> (&Node, &Node) {
         let last = self.nodes.len() - 1;
         let i = self.nodes.partition_point(|n| n.u0() <= u0).clamp(1, last);
@@ -114,11 +125,12 @@ impl Branch {
     }
 }
 
-/// Amplitudes at `u0` between two nodes: cubic Hermite, next to a fold in the root of the distance.
+/// Amplitudes at `u0` between two nodes: cubic Hermite, next to a vertical one in the root of the
+/// distance.
 pub(super) fn guess(a: &Node, b: &Node, u0: f64) -> Vec<f64> {
-    let (fold, regular) = match (a.slope.is_finite(), b.slope.is_finite()) {
-        (true, true) => return between(a, b, u0),
-        (true, false) => (b, a),
+    let (fold, regular) = match (a.is_vertical(), b.is_vertical()) {
+        (false, false) => return between(a, b, u0),
+        (false, true) => (b, a),
         _ => (a, b),
     };
     // z = z_f + c1 s + c2 s^2 with s = sqrt((u0 - u_f)/(u_r - u_f)).
@@ -127,13 +139,38 @@ pub(super) fn guess(a: &Node, b: &Node, u0: f64) -> Vec<f64> {
     let mut z = fold.state.amplitudes.clone();
     let mut change = regular.state.amplitudes.clone();
     add(&mut change, -1.0, &fold.state.amplitudes);
-    if !regular.slope.is_finite() {
+    if regular.is_vertical() {
         add(&mut z, s * s, &change);
         return z;
     }
     add(&mut z, 2.0 * s - s * s, &change);
     add(&mut z, 2.0 * width * (s * s - s), &regular.tangent);
     z
+}
+
+/// The node at `u0` on the curve between two others, with its fields. Near a fold of u0, and far from
+/// the other node, the curve may be too far from the branch: then it is drawn to a node in between,
+/// where the surface is twice as far from the fold.
+///
+/// # Errors
+/// As [`Sector::node`].
+pub fn node_between(
+    sector: &mut Sector,
+    (a, b): (&Node, &Node),
+    u0: f64,
+    before: Option<&Node>,
+    tolerance: f64,
+) -> Result<(Node, Fields), Lost> {
+    let mut found = sector.node(u0, guess(a, b, u0), before, tolerance);
+    let (fold, other) = if a.is_vertical() { (a, b) } else { (b, a) };
+    let (off, width) = (u0 - fold.u0(), other.u0() - fold.u0());
+    let share = off / width;
+    if found.is_err() && fold.is_vertical() && 0.0 < share && share < 0.25 {
+        let farther = fold.u0() + 4.0 * off;
+        let (nearer, _) = node_between(sector, (a, b), farther, before, tolerance)?;
+        found = sector.node(u0, guess(&nearer, fold, u0), Some(&nearer), tolerance);
+    }
+    found
 }
 
 /// Cubic Hermite between two regular nodes, at any u0.
@@ -258,7 +295,8 @@ pub struct Leg {
     pub from: f64,
     /// The control where it ends.
     pub to: f64,
-    /// True if it begins with a landing (or is the first); false where the drive only turned.
+    /// True if it begins with a landing (or is the first); false where the drive only turned, or
+    /// where the branch goes over into another continuously.
     pub begins: bool,
 }
 
@@ -273,9 +311,6 @@ pub struct Cycle {
     pub dissipated_energy: f64,
 }
 
-/// Released energy (gamma) below which a jump is not told from a continuous transition, near which
-/// no branch is traced well.
-const LEAST_RELEASE: f64 = 1e-6;
 /// Most jumps of one loop.
 const JUMPS: usize = 64;
 
@@ -311,6 +346,11 @@ impl Atlas {
         Side::BOTH.map(|side| self.end_state(Place::On(i), side).control)
     }
 
+    /// True if the pattern of `place` fades away on this `side`.
+    pub(in crate::follow) fn fades(&self, place: Place, side: Side) -> bool {
+        matches!(place, Place::On(i) if self.branches[i].ends[side.index()] == End::Flat)
+    }
+
     /// True if branch `i` has a state where the control has this `value`.
     pub(super) fn covers(&self, i: usize, value: f64) -> bool {
         let [low, high] = self.extent(i);
@@ -326,6 +366,7 @@ impl Atlas {
             Place::On(i) => match self.branches[i].ends[side.index()] {
                 End::Fold => Cause::Fold,
                 End::Breaking => Cause::SymmetryBreaking,
+                End::Flat => Cause::Transition,
             },
         };
         Some((self.end_state(place, side).control, cause))
@@ -425,7 +466,7 @@ impl Traversal {
         self.end.is_some()
     }
 
-    /// The jump at the end of the last leg; `None` if it ended at a goal.
+    /// The jump at the end of the last leg; `None` if it ended at a goal, or without a jump.
     pub(in crate::follow) fn jump(
         &mut self,
         atlas: &mut Atlas,
@@ -439,21 +480,33 @@ impl Traversal {
             return Err(Unmapped::anywhere(format!("more than {JUMPS} jumps")));
         }
         let &(direction, _) = self.goals.last().expect("a leg was given");
-        let next = atlas.landing(self.place, end_of(direction))?;
+        let side = end_of(direction);
+        let next = atlas.landing(self.place, side)?;
         if let Place::On(i) = next
             && !atlas.covers(i, at)
         {
             return Err(Unmapped::at(at, "a jump lands beside its branch"));
         }
         let (before, after) = (atlas.at(self.place, at), atlas.at(next, at));
-        let released_energy = (before.energy - after.energy) / atlas.meshes.law.surface_energy;
-        if released_energy.abs() < LEAST_RELEASE {
-            return Err(Unmapped::at(
-                at,
-                "a pattern comes or goes without a jump, continuously",
-            ));
+        let is_continuous = match self.place {
+            Place::Flat(_) => atlas.fades(next, side.opposite()),
+            Place::On(_) => atlas.fades(self.place, side),
+        };
+        let cause = if is_continuous {
+            Cause::Transition
+        } else {
+            cause
+        };
+        let freed = (before.energy - after.energy) / atlas.meshes.law.surface_energy;
+        let both_patterned = [self.place, next]
+            .iter()
+            .all(|at| matches!(at, Place::On(_)));
+        if both_patterned && freed.abs() <= EVENT && next != self.place {
+            (self.place, self.begins) = (next, false);
+            return Ok(None);
         }
-        if !(released_energy > 0.0) || next == self.place {
+        let released_energy = if is_continuous { 0.0 } else { freed };
+        if !(released_energy > 0.0 || is_continuous) || next == self.place {
             return Err(Unmapped::at(
                 at,
                 format!("a jump would release {released_energy:.2e} gamma"),
@@ -461,6 +514,7 @@ impl Traversal {
         }
         let control = atlas.meshes.control;
         let release_error = match self.place {
+            _ if is_continuous => freed.abs(),
             // In closed form.
             Place::Flat(_) => 0.0,
             Place::On(_) => {
@@ -483,9 +537,10 @@ impl Traversal {
             released_energy,
             release_error,
             cause,
-            landings: atlas.contested(self.place, end_of(direction)),
+            landings: atlas.contested(self.place, side),
         };
         self.place = next;
+        self.begins = !is_continuous;
         Ok(Some(jump))
     }
 

@@ -1,7 +1,8 @@
 //! One branch followed to its ends with long tangent steps, which are located directly; and the same
 //! branch for a law or a cell a little different, found again from its ends and nodes.
 
-use super::read_off::{Branch, End, Support, between, guess};
+use super::read_off::{Branch, End, Support, between, node_between};
+use crate::follow::flat_branch::{Fading, refade};
 use crate::follow::record::LOCATED;
 use crate::numerics::dense::{add, norm};
 use crate::physics::control::Control;
@@ -16,7 +17,7 @@ use std::collections::BTreeSet;
 const FIRST: f64 = 0.1;
 const LONGEST: f64 = 0.7;
 /// A branch is lost when the step falls below this (ranges).
-const SHORTEST: f64 = 2e-4;
+const SHORTEST: f64 = 2e-5;
 /// Error of the prediction, root mean square in ranges, that the step length aims at in a cell of 3
 /// L_c; in longer ones, where amplitudes are larger and edges creep over the mesh, more is allowed.
 const AIM: f64 = 0.03;
@@ -24,6 +25,11 @@ const AIM: f64 = 0.03;
 const NEAR_FOLD: f64 = 0.15;
 /// At a fold, breaking eigenvalues below this share of q1 are computed over all waves of the mesh.
 const SOFT: f64 = 0.1;
+/// Distance, as a share of [`LOCATED`], within which a fold of u0 and where a machine turns back are
+/// one.
+const ONE: f64 = 0.1;
+/// Share of q1 to which the eigenvalue that vanishes at a fold is known there.
+const FOLDED: f64 = 1e-3;
 /// Accuracy (ranges) of u0 where a machine turns back: the control is then off by parts in a
 /// million.
 const TURN: f64 = 1e-3;
@@ -31,10 +37,20 @@ const TURN: f64 = 1e-3;
 /// and most nodes that are added for it.
 const FIT: f64 = 1e-6;
 const GRADES: usize = 8;
+/// Share of the eigenvalue behind a breaking of symmetry that is little before it.
+const CLOSE: f64 = 0.1;
 /// Most Newton steps towards it.
 const CROSSINGS: usize = 24;
+/// Farthest extrapolation from two nodes, in units of their distance: more than steps grow.
+const FARTHEST: f64 = 3.0;
+/// How much of the predicted change the force of a node may leave undecided along its softest mode:
+/// more reads as straying from the branch.
+const DECIDED: f64 = 0.02;
 /// Most nodes of one branch, one way.
 const NODES: usize = 60;
+/// A step that leaves less than this share of the pattern led to the flat state; a fold that does is
+/// none, but where the pattern fades, and one at which more of the stiffness is left is none either.
+const LEFT: f64 = 0.25;
 /// Largest deviation from the prediction in units of the predicted change: beyond it another branch
 /// was found.
 const STRAY: f64 = 0.6;
@@ -49,7 +65,7 @@ pub fn both_ways(
     control: Control,
     first: Node,
 ) -> Result<(Vec<Node>, [End; 2]), Lost> {
-    let regular = |nodes: &[Node]| nodes.first().filter(|n| n.slope.is_finite()).cloned();
+    let regular = |nodes: &[Node]| nodes.first().filter(|n| !n.is_vertical()).cloned();
     let mut go = |behind: Option<Node>, side| trace(sector, control, &first, behind.as_ref(), side);
     let ((mut nodes, below), (after, above)) = match go(None, Side::Lower) {
         Ok(down) => {
@@ -95,42 +111,40 @@ fn trace(
             1 => (Some(first), nodes[0].clone()),
             n => (Some(&nodes[n - 2]), nodes[n - 1].clone()),
         };
-        let fold = before.map_or(f64::INFINITY, |b| zero(b, &here, |node| node.own.powi(2)));
+        let breaking = before.map_or(f64::INFINITY, |b| zero(b, &here, |node| node.breaking));
+        let flat = Fading::of(sector, &here, side);
+        // Softness against other symmetries fades with the pattern, unless it is lost before.
+        if let Some(flat) = &flat
+            && flat.is_certain
+            && breaking > 0.75 * flat.ahead
+        {
+            let end = flat.end(sector, before, &here);
+            if control.softens([1.0, end.slope]) {
+                return returns(sector, control, (first, nodes), (&here, &end));
+            }
+            nodes.push(end);
+            return Ok((nodes, End::Flat));
+        }
+        let fold = match (before, &flat) {
+            (Some(before), None) => zero(before, &here, |node| node.own.powi(2)),
+            _ => f64::INFINITY,
+        };
         if let Some(before) = before
             && fold < NEAR_FOLD * range
             && wall.is_infinite()
         {
-            if let Ok((mut end, fields)) = sector.fold(before, &here, side) {
-                if end.breaking < SOFT * sector.system().grid().q1() {
-                    sector.sharpen(&mut end, &fields);
-                }
-                let ahead = sign * (end.u0() - here.u0());
-                if ahead > -1e-9 * range && ahead < 4.0 * NEAR_FOLD * range {
-                    // Under a stiff spring the two are one.
-                    let u0 = end.u0();
-                    let apart = || (turning_point(control, &here, &end) - u0).abs();
-                    if control.frees_mean() && apart() > 2.0 * LOCATED * range {
-                        return returns(sector, control, (first, nodes), (&here, &end));
-                    }
-                    if end.breaking >= 0.0 {
-                        end.own = 0.0;
-                        nodes.push(end);
-                        return Ok((nodes, End::Fold));
-                    }
-                    if ahead < 20.0 * LOCATED * range {
-                        nodes.push(end);
-                        return Ok((nodes, End::Breaking));
-                    }
-                    wall = ahead;
-                }
+            match at_fold(sector, control, (first, &nodes), (before, &here), side) {
+                Some(Ok(found)) => return Ok(found),
+                Some(Err(ahead)) => wall = ahead,
+                None => {}
             }
             step = step.min(0.5 * wall.min(fold));
         }
-        let breaking = before.map_or(f64::INFINITY, |b| zero(b, &here, |node| node.breaking));
         // Past the expected zero, so that it is enclosed; in this symmetry the branch simply goes
         // on there.
         let h = step
             .min(0.6 * fold)
+            .min(flat.as_ref().map_or(f64::INFINITY, |flat| 0.5 * flat.ahead))
             .min(0.5 * wall)
             .min(1.5 * breaking + 0.02 * range);
         if !(h > SHORTEST * range) {
@@ -139,7 +153,7 @@ fn trace(
         let u0 = here.u0() + sign * h;
         let guess = predict(before, &here, u0);
         let predicted = distance(&guess, &here.state.amplitudes);
-        let node = sector.node(u0, guess.clone(), Some(&here), NODE);
+        let node = decided(sector, &here, u0, &guess);
         let strayed = |n: &Node| {
             distance(&guess, &n.state.amplitudes) > STRAY * predicted + 1e-3 * range
                 || !audit(&here, n, range, sector)
@@ -171,9 +185,69 @@ fn trace(
     Err(Lost::Gone)
 }
 
+/// The nodes of a branch `so_far` (after the first one) with its end at the fold ahead of two nodes, or
+/// where under `control` it turns back before that; or how far ahead a fold lies beyond which symmetry
+/// is broken. `None` where no fold is found.
+fn at_fold(
+    sector: &mut Sector,
+    control: Control,
+    (first, nodes): (&Node, &[Node]),
+    (before, here): (&Node, &Node),
+    side: Side,
+) -> Option<Result<(Vec<Node>, End), f64>> {
+    let (range, q1) = (sector.system().law().range, sector.system().grid().q1());
+    let (mut end, fields) = sector.fold(before, here, side).ok()?;
+    let ahead = side.sign() * (end.u0() - here.u0());
+    let turns_back = end.own < LEFT * here.own.max(FOLDED * q1)
+        && norm(&end.state.amplitudes) > LEFT * norm(&here.state.amplitudes);
+    let is_near = ahead > -1e-9 * range && ahead < 4.0 * NEAR_FOLD * range;
+    if !turns_back || !is_near {
+        return None;
+    }
+    if end.breaking < SOFT * q1 {
+        sector.sharpen(&mut end, &fields);
+    }
+    // Under a stiff spring the two are one; what is driven is off by as much as u0.
+    let apart = (turning_point(control, here, &end) - end.u0()).abs();
+    let turns_before = control.frees_mean() && apart > ONE * LOCATED * range;
+    if end.breaking < 0.0 {
+        if ahead >= 20.0 * LOCATED * range {
+            return Some(Err(ahead));
+        }
+        return Some(Ok(([nodes, &[end]].concat(), End::Breaking)));
+    }
+    if turns_before {
+        let so_far = (first, nodes.to_vec());
+        let found = returns(sector, control, so_far, (here, &end));
+        return Some(found.map_err(|_| ahead));
+    }
+    end.own = 0.0;
+    Some(Ok(([nodes, &[end]].concat(), End::Fold)))
+}
+
+/// The node at `u0` after `here`, next to the guess, with its fields.
+fn decided(
+    sector: &mut Sector,
+    here: &Node,
+    u0: f64,
+    guess: &[f64],
+) -> Result<(Node, Fields), Lost> {
+    let undecided = DECIDED * distance(guess, &here.state.amplitudes);
+    let strongest = sector.system().law().traction_max();
+    let tolerance = |node: &Node| (undecided * node.own / strongest).clamp(SHARP, NODE);
+    let (node, fields) = sector.node(u0, guess.to_vec(), Some(here), tolerance(here))?;
+    if tolerance(&node) >= 0.5 * tolerance(here) {
+        return Ok((node, fields));
+    }
+    // Softer than was expected.
+    let z = node.state.amplitudes.clone();
+    sector.node(u0, z, Some(&node), tolerance(&node))
+}
+
 /// Hermite extrapolation from two nodes, or along the tangent of one.
 fn predict(before: Option<&Node>, here: &Node, u0: f64) -> Vec<f64> {
-    let Some(before) = before else {
+    let far = |before: &&Node| (u0 - here.u0()).abs() > FARTHEST * (here.u0() - before.u0()).abs();
+    let Some(before) = before.filter(|before| !far(before)) else {
         let mut z = here.state.amplitudes.clone();
         add(&mut z, u0 - here.u0(), &here.tangent);
         return z;
@@ -203,7 +277,7 @@ fn audit(from: &Node, to: &Node, range: f64, sector: &Sector) -> bool {
     missing
         <= 0.05 * ((to.state.stress - from.state.stress) * h).abs()
             + 1e-4 * law.surface_energy * (h / range).abs()
-        && norm(&to.state.amplitudes) > 1e-3 * range
+        && norm(&to.state.amplitudes) > LEFT * norm(&from.state.amplitudes)
 }
 
 /// The nodes of a branch `so_far` (after the first one) with its end: where under `control` it
@@ -261,31 +335,6 @@ fn turning_point(control: Control, stable: &Node, beyond: &Node) -> f64 {
     })
 }
 
-/// The node at `u0` on the curve between two others, with its fields. Near a fold of u0, and far from
-/// the other node, the curve may be too far from the branch: then it is drawn to a node in between,
-/// where the surface is twice as far from the fold.
-///
-/// # Errors
-/// As [`Sector::node`].
-pub fn node_between(
-    sector: &mut Sector,
-    (a, b): (&Node, &Node),
-    u0: f64,
-    before: Option<&Node>,
-    tolerance: f64,
-) -> Result<(Node, Fields), Lost> {
-    let mut found = sector.node(u0, guess(a, b, u0), before, tolerance);
-    let (fold, other) = if a.slope.is_finite() { (b, a) } else { (a, b) };
-    let (off, width) = (u0 - fold.u0(), other.u0() - fold.u0());
-    let share = off / width;
-    if found.is_err() && !fold.slope.is_finite() && 0.0 < share && share < 0.25 {
-        let farther = fold.u0() + 4.0 * off;
-        let (nearer, _) = node_between(sector, (a, b), farther, before, tolerance)?;
-        found = sector.node(u0, guess(&nearer, fold, u0), Some(&nearer), tolerance);
-    }
-    found
-}
-
 /// The node there. As the control is stationary, its value and the energy are known to second order
 /// in what u0 is off.
 fn turn(
@@ -338,8 +387,8 @@ fn cross(
         };
         let mut last = last.clone();
         last.breaking += offset;
-        if last.breaking.abs() < 0.5 * offset.abs() {
-            // Too near to call by the correction.
+        if last.breaking.abs() < (0.5 * offset.abs()).max(CLOSE * b.breaking.abs()) {
+            // Too near to call by the correction, or from a state that is not sharp.
             last = sector.sharp_node(last.u0(), last.state.amplitudes.clone(), Some(&last))?;
         }
         if last.breaking > 0.0 {
@@ -474,6 +523,10 @@ pub fn adapt(
             End::Fold if node.slope.is_finite() => returned(to, control, &node),
             End::Fold => to.refold(&node, side).map(|(end, _)| end),
             End::Breaking => recross(to, &node),
+            End::Flat => {
+                let near = carried_over(old.beside(side), from, to);
+                refade(to, &node, &near, side)
+            }
         }
     };
     let (low, high) = (end(Side::Lower)?, end(Side::Upper)?);
@@ -501,15 +554,21 @@ pub fn adapt(
         let off = |i: usize| (old.nodes[i].u0() - u0).abs();
         (1..last).min_by(|&i, &j| off(i).total_cmp(&off(j)))
     };
+    let fades = old.ends.map(|end| end == End::Flat);
     let first = (1..last).take(1);
-    let chosen: BTreeSet<usize> = first.chain(landings.iter().filter_map(nearest)).collect();
+    let beside = (1..last).rev().take(usize::from(fades[1]));
+    let chosen: BTreeSet<usize> = first
+        .chain(beside)
+        .chain(landings.iter().filter_map(nearest))
+        .collect();
+    let tolerance = if fades.contains(&true) { SHARP } else { NODE };
     for k in chosen {
         let share = (old.nodes[k].u0() - a) / (b - a);
         let mut z = carried(&old.nodes[k].state.amplitudes, from.system(), to.system());
         // What changed at the ends changed a part of that in between.
         add(&mut z, 1.0 - share, &change_low);
         add(&mut z, share, &change_high);
-        let (node, _) = to.node(from_u + share * width, z, None, NODE)?;
+        let (node, _) = to.node(from_u + share * width, z, None, tolerance)?;
         nodes.push(node);
     }
     nodes.push(high);

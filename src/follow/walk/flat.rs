@@ -6,11 +6,10 @@
 //! any distance. The machine holds it where the ground is not felt any more; how far that is adds to
 //! the energy that a pull-off releases, load times way.
 
-use super::landing::EVENT;
 use super::{Barrier, Observed, Progress, Walk};
 use crate::follow::atlas::{Explorer, Fall, angle};
 use crate::follow::flat_branch::FlatBranch;
-use crate::follow::record::{Cause, Direction, JumpRecord};
+use crate::follow::record::{Cause, Direction, EVENT, JumpRecord};
 use crate::numerics::dense::{norm, scale};
 use crate::physics::control::Control;
 use crate::physics::indenter::Indenter;
@@ -38,7 +37,7 @@ const FLAT_STEP: f64 = 0.02;
 const WEAK: f64 = 1e-2;
 /// How far before a limit, in ranges, a jump is told from a continuous transition: more than limits
 /// are uncertain.
-const APART: f64 = 3e-4;
+const APART: f64 = 1e-4;
 
 /// The flat body on the stop under the load `control`. Two transforms.
 pub(in crate::follow) fn apart(mechanics: &mut Mechanics, control: f64) -> Equilibrium {

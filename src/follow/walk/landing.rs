@@ -5,7 +5,7 @@ use super::advance::FIRST;
 use super::flat::apart;
 use super::{Barrier, Behind, Jumping, Observed, Phase, Progress, Stuck, Walk};
 use crate::follow::atlas::{FLAT_KICK, Fall, KICK};
-use crate::follow::record::{Cause, JumpRecord, Share};
+use crate::follow::record::{Cause, EVENT, JumpRecord, Share};
 use crate::numerics::dense::{add, dot, norm};
 use crate::numerics::krylov::CgLimits;
 use crate::physics::pattern::Pattern;
@@ -22,8 +22,6 @@ use rand::Rng;
 const PEAK: f64 = 4.0;
 /// The smallest one tried, where a larger one ended higher than it began.
 const LEAST_KICK: f64 = 1e-4;
-/// Released energy, in gamma, below which a landing on the same pattern is no jump.
-pub(super) const EVENT: f64 = 1e-6;
 /// Time steps of a release between two pictures.
 const SLICE: usize = 6;
 /// Share of a soft mode in what the control pushes below which that is no push: of 60 ends on even
