@@ -32,6 +32,9 @@ const BEYOND: f64 = 1e-9;
 /// no farther than so many ranges.
 const SWIFT: f64 = 1.5;
 const FLAT_STEP: f64 = 0.02;
+/// Distance (ranges) of the end of a block from which on it does so: farther off, where a soft spring
+/// may begin at millions of ranges, the traction hardly changes.
+const BLOCK_END: f64 = 4.0;
 /// Released energy, in gamma, from which nobody asks whether a landing on another pattern was a
 /// jump.
 const WEAK: f64 = 1e-2;
@@ -72,16 +75,19 @@ impl Walk {
             Ok(there) => (there, None),
             Err((stable, unstable)) => (stable, Some(unstable)),
         };
+        let [held, _] = self
+            .control()
+            .balanced(there, self.model.law.at(there).traction);
+        let driven = (held - self.here.state.control).abs();
         // At the end of a block the control turns back, however far it has come.
-        let way = if unstable.is_some() && flat.gives_way_as_a_block() {
-            0.0
+        let near = (BLOCK_END * self.model.law.range).copysign(there - gap);
+        let reached = if unstable.is_none() || !flat.gives_way_as_a_block() {
+            self.swift_step(gap, there, driven)
+        } else if (there - gap).abs() > near.abs() {
+            there - near
         } else {
-            let [held, _] = self
-                .control()
-                .balanced(there, self.model.law.at(there).traction);
-            held - self.here.state.control
+            self.swift_step(gap, there, 0.0)
         };
-        let reached = self.swift_step(gap, there, way.abs());
         let Some(unstable) = unstable.filter(|_| reached == there) else {
             self.here = flat.state(self.system(), reached);
             if reached == there {
