@@ -256,23 +256,19 @@ impl Tour<'_> {
     }
 
     /// The leg without what is next to where its pattern fades.
-    fn without_faint(&self, leg: Leg) -> Leg {
-        let side = if leg.to > leg.from {
-            Side::Upper
-        } else {
-            Side::Lower
-        };
-        let faint = side.sign() * FAINT * self.atlas.meshes().control.unit(&self.model.law);
-        let share = |side, control: f64| {
-            let Place::On(i) = leg.place else { return 0.0 };
-            let fades = self.atlas.fades(leg.place, side);
-            f64::from(fades && control == self.atlas.extent(i)[side.index()])
-        };
-        Leg {
-            from: leg.from + faint * share(side.opposite(), leg.from),
-            to: leg.to - faint * share(side, leg.to),
-            ..leg
+    fn without_faint(&self, mut leg: Leg) -> Leg {
+        let Place::On(i) = leg.place else { return leg };
+        let faint = FAINT * self.atlas.meshes().control.unit(&self.model.law);
+        for (side, end) in Side::BOTH.into_iter().zip(self.atlas.extent(i)) {
+            if self.atlas.fades(leg.place, side) {
+                for control in [&mut leg.from, &mut leg.to] {
+                    if *control == end {
+                        *control -= side.sign() * faint;
+                    }
+                }
+            }
         }
+        leg
     }
 
     /// True if the leg runs into a fold.

@@ -134,7 +134,12 @@ fn a_faint_jump_over_faint_waves_is_met_with_any_step() {
         walked(&scene, Part::Quarter)
     };
     let [long, short] = [0.055934, 0.027967].map(run);
-    assert_eq!(long.record.jumps.len(), 6, "{:?}", long.record.jumps);
+    let faint = |jump: &JumpRecord| jump.released_energy < 1e-4;
+    assert!(
+        long.record.jumps.iter().any(faint),
+        "{:?}",
+        long.record.jumps
+    );
     assert_same(&long, &short, 1e-3, 0.26196, "half the step");
 }
 

@@ -59,7 +59,6 @@ fn a_limit_gives_way_continuously_where_the_landau_energy_has_a_positive_fourth_
         let run = off_the_atlas(&scene);
         for (jump, limit) in out_of_flat(&run).into_iter().zip([upper, lower]) {
             let fourth = landau(&law, scene.cell.length, limit);
-            println!("{periods} {limit:.4} {fourth:.2e} {jump:?}");
             assert_eq!(
                 jump.cause == Cause::Transition,
                 fourth > 0.0,
@@ -89,7 +88,7 @@ fn where_patterns_fade_the_atlas_has_the_loop_of_the_walk() {
         let tallies = [&atlas, &walk].map(|run| run.record.tally());
         assert_eq!(tallies[0], tallies[1], "{shape:?} {periods}");
         let error = measured_error(&atlas.record.jumps, &walk.record.jumps);
-        assert!(error < 1e-4, "{shape:?} {periods}: {error}");
+        assert!(error < 3e-5, "{shape:?} {periods}: {error}");
         assert_eq!(atlas.ledger(0.15).unwrap().open, None);
     }
 }
@@ -108,7 +107,7 @@ fn a_dimple_whose_fold_lies_next_to_the_limit_is_traced() {
         let scene = short(shape, periods);
         let (atlas, walk) = (off_the_atlas(&scene), walked(&scene, Part::Quarter));
         let error = measured_error(&atlas.record.jumps, &walk.record.jumps);
-        assert!(error < 1e-4, "{shape:?} {periods}: {error}");
+        assert!(error < 3e-5, "{shape:?} {periods}: {error}");
         let law = scene.model().unwrap().law;
         let (lower, _) = flat_limits(&law, scene.cell.length).unwrap();
         let onto_flat = |jump: &&JumpRecord| jump.to == Pattern::Flat;
@@ -133,44 +132,11 @@ fn a_branch_under_a_spring_ends_where_the_slope_is_that_of_the_spring() {
     for branch in atlas.branches() {
         for side in Side::BOTH {
             let end = branch.end(side);
-            println!(
-                "{:?} {side:?} {:?} u0 {:.8} {}",
-                branch.pattern,
-                branch.ends[side.index()],
-                end.u0(),
-                end.slope
-            );
             if branch.ends[side.index()] == End::Fold {
-                assert!((end.slope / -stiffness - 1.0).abs() < 0.05, "{}", end.slope);
+                assert!((end.slope / -stiffness - 1.0).abs() < 0.01, "{}", end.slope);
                 seen += 1;
             }
         }
     }
     assert!(seen > 0);
-}
-
-#[test]
-fn next_to_where_it_loses_symmetry_a_faint_pattern_is_known_as_closely_as_its_end_is() {
-    // Of soft states a fixed residual left more undecided than the bracket is wide.
-    let shape = Shape::Mie(Mie {
-        m: 6.2745954443485505,
-        n: 2.3744141085370005,
-    });
-    let scene = short(shape, 1.161);
-    let finer = Scene {
-        cell: tackscope::scene::Cell {
-            points: Points::Square(24),
-            ..scene.cell
-        },
-        ..scene.clone()
-    };
-    let [one, other] = [&scene, &finer].map(|scene| walked(scene, Part::Quarter).record.jumps);
-    let breaks = |jump: &&JumpRecord| jump.cause == Cause::SymmetryBreaking;
-    for (one, other) in one.iter().filter(breaks).zip(other.iter().filter(breaks)) {
-        println!("{one:?}\n{other:?}");
-        assert!(
-            (one.control - other.control).abs() < 1e-6,
-            "{one:?} {other:?}"
-        );
-    }
 }

@@ -32,8 +32,8 @@ const BEYOND: f64 = 1e-9;
 /// no farther than so many ranges.
 const SWIFT: f64 = 1.5;
 const FLAT_STEP: f64 = 0.02;
-/// Distance (ranges) of the end of a block from which on it does so: farther off, where a soft spring
-/// may begin at millions of ranges, the traction hardly changes.
+/// Distance (ranges) of the end of a block from which on it does so: a soft spring may begin millions of
+/// ranges farther off.
 const BLOCK_END: f64 = 4.0;
 /// Released energy, in gamma, from which nobody asks whether a landing on another pattern was a
 /// jump.
