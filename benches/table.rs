@@ -53,10 +53,12 @@ struct Spent {
     /// Processor time and time on the wall (s).
     processor: f64,
     wall: f64,
-    /// 0 where they are not counted: those of all, of Newton's method and of proofs of stability.
+    /// 0 where they are not counted: those of all, of Newton's method, of proofs of stability, and of
+    /// a coarser mesh than the walk's.
     transforms: usize,
     newton: usize,
     proofs: usize,
+    coarse: usize,
     /// States of a walk, 0 of anything else.
     increments: usize,
     /// What else is to be said.
@@ -119,7 +121,7 @@ fn main() {
         return;
     }
     println!(
-        "{:<46} {:>7} {:>9} {:>10} {:>10} {:>10} {:>5}  an increment: ms, transforms (Newton, proofs)",
+        "{:<46} {:>7} {:>9} {:>10} {:>10} {:>10} {:>5}  an increment: ms, transforms (Newton, proofs; of a coarser mesh)",
         "", "pair us", "pairs", "proc. ms", "wall ms", "transforms", "incr."
     );
     chosen.iter_mut().for_each(show);
@@ -151,11 +153,12 @@ fn show(Line { name, runs, work }: &mut Line) {
     if spent.increments > 0 {
         let mean = |total: usize| total as f64 / spent.increments as f64;
         print!(
-            "  {:8.2} {:6.1} ({:.1}, {:.1})",
+            "  {:8.2} {:6.1} ({:.1}, {:.1}; {:.1})",
             1e3 * spent.processor / spent.increments as f64,
             mean(spent.transforms),
             mean(spent.newton),
-            mean(spent.proofs)
+            mean(spent.proofs),
+            mean(spent.coarse)
         );
     }
     println!("{}", spent.note);
@@ -529,6 +532,7 @@ fn increment(n: usize, precision: Precision, start: &Standpoint) -> Spent {
     Spent {
         transforms: counts.transforms - before.transforms,
         proofs: counts.proof_transforms - before.proof_transforms,
+        coarse: counts.coarse_transforms - before.coarse_transforms,
         newton,
         increments,
         ..spent
@@ -613,6 +617,7 @@ fn tip(n: usize, part: Part, only: Option<usize>) -> Spent {
         wall: begun.0.elapsed().as_secs_f64(),
         transforms: counts.transforms - before.transforms,
         proofs: counts.proof_transforms - before.proof_transforms,
+        coarse: counts.coarse_transforms - before.coarse_transforms,
         newton,
         increments: states,
         note: String::new(),

@@ -374,6 +374,7 @@ impl Walk {
         Counts {
             transforms: self.transforms(),
             proof_transforms: proofs,
+            coarse_transforms: self.tracker.coarse_transforms(),
             ..self.spent.counts
         }
     }

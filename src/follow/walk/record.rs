@@ -128,11 +128,13 @@ impl std::ops::AddAssign for Counts {
         let Self {
             transforms,
             proof_transforms,
+            coarse_transforms,
             iterations,
             patterned_increments,
         } = other;
         self.transforms += transforms;
         self.proof_transforms += proof_transforms;
+        self.coarse_transforms += coarse_transforms;
         self.iterations += iterations;
         self.patterned_increments += patterned_increments;
     }
@@ -145,6 +147,8 @@ pub struct Counts {
     pub transforms: usize,
     /// Those of them that prove that no mode is softer than the ones that are followed.
     pub proof_transforms: usize,
+    /// Those of a coarser mesh than the walk's, on which modes are followed and proved on flat ground.
+    pub coarse_transforms: usize,
     /// Iterations of the method.
     pub iterations: usize,
     /// Recorded states with a pattern.
