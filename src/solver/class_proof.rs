@@ -141,8 +141,7 @@ impl ClassProof {
                     known.value + known.residual < shift && block.most_below(least, shift) <= 1
                 });
                 // The second eigenvalue is not below the shift (G. Temple).
-                let off =
-                    |known: &Known| known.residual.min(known.residual.powi(2) / (MARGIN * unit));
+                let off = |known: &Known| known.residual.powi(2) / (MARGIN * unit);
                 alone.map(|known| known.value - off(known)).or_else(|| {
                     let shifts = [softest, PROVED * softest];
                     shifts

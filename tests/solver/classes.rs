@@ -5,7 +5,7 @@ use super::common::LAW;
 use nalgebra::DMatrix;
 use ndarray::Array2;
 use proptest::prelude::*;
-use rand::SeedableRng;
+use rand::{Rng, SeedableRng};
 use rand_pcg::Pcg64;
 use std::f64::consts::PI;
 use tackscope::physics::body::{Body, Layer};
@@ -14,6 +14,7 @@ use tackscope::physics::indenter::Indenter;
 use tackscope::physics::low_block::{Class, LowBlock};
 use tackscope::physics::mesh::Grid;
 use tackscope::physics::system::{Fields, System};
+use tackscope::solver::class_proof::{ClassProof, Known};
 use tackscope::solver::mechanics::{Mechanics, Slides};
 use tackscope::solver::stability::Tracker;
 
@@ -239,4 +240,74 @@ fn a_long_block_over_a_smooth_pattern_counts_what_there_is() {
         let shift = 0.5 * (values[rank] + values[rank + 1]);
         assert_eq!(bound(shift), rank + 1, "{values:?}");
     }
+}
+
+/// A smooth gamma'' with x <-> y on a quarter of the cell (E* per length): its longest waves drawn at
+/// random, so that some surfaces are stable and some are not.
+fn smooth(rng: &mut Pcg64) -> Array2<f64> {
+    let m = N / 2;
+    let wave = |k: usize, i: usize| (PI * k as f64 * (i as f64 + 0.5) / m as f64).cos();
+    let mut quarter = Array2::from_elem((m, m), rng.random_range(-0.04..0.04));
+    for (k, l) in [(1, 0), (1, 1), (2, 0), (2, 1), (2, 2)] {
+        let size = rng.random_range(-0.03..0.03);
+        quarter.indexed_iter_mut().for_each(|((j, i), value)| {
+            *value += size * (wave(k, i) * wave(l, j) + wave(l, i) * wave(k, j));
+        });
+    }
+    quarter
+}
+
+/// Of modes that are known well and badly, or are not the softest of their class, against all
+/// eigenvalues of the whole cell.
+#[test]
+fn what_blocks_prove_to_be_the_smallest_eigenvalue_is_so_within_its_error() {
+    let even = even(Body::HalfSpace);
+    let whole = System::whole(&even);
+    let mut proof = ClassProof::new(&even, Slides::Never).expect("few waves soften");
+    let mut mechanics = Mechanics::new(even.clone(), Slides::Never);
+    let mut rng = Pcg64::seed_from_u64(5);
+    let (mut proved, mut odd_is_softer) = (0, 0);
+    for _ in 0..100 {
+        let quarter = smooth(&mut rng);
+        let fields = Fields::of(quarter.clone());
+        let modes = dense(&even, &quarter).symmetric_eigen();
+        let (rank, blur) = (
+            [0, 0, 1][rng.random_range(0..3)],
+            rng.random_range(0.0..0.1),
+        );
+        let known = [Class::Symmetric, Class::Antisymmetric].map(|class| {
+            let mut of_class: Vec<(f64, Vec<f64>)> = Vec::new();
+            for (value, mode) in modes
+                .eigenvalues
+                .iter()
+                .zip(modes.eigenvectors.column_iter())
+            {
+                let mut part: Vec<f64> = mode.iter().copied().collect();
+                class.project(&even, &mut part);
+                if value.abs() > 1e-12 && part.iter().map(|v| v * v).sum::<f64>() > 0.5 {
+                    of_class.push((*value, part));
+                }
+            }
+            of_class.sort_by(|a, b| a.0.total_cmp(&b.0));
+            let [one, next] = [0, 1].map(|more| &of_class[rank + more].1);
+            let mode: Vec<f64> = one.iter().zip(next).map(|(a, b)| a + blur * b).collect();
+            Known::of(&mut mechanics, &fields, &mode)
+        });
+        let uniform = vec![0.0; even.dimension()];
+        if let Some(found) = proof.least(&mut mechanics, &uniform, &fields, &known) {
+            let [softest, softest_even] = [
+                eigenvalues(dense(&whole, &even.unfolded(&quarter)))[0],
+                eigenvalues(dense(&even, &quarter))[0],
+            ];
+            proved += 1;
+            odd_is_softer += usize::from(softest < softest_even - 1e-6);
+            let lower = found.value - found.error;
+            assert!(
+                lower <= softest + 1e-12 && softest <= found.value + 1e-12,
+                "{lower} {softest} {}",
+                found.value
+            );
+        }
+    }
+    assert!(proved > 20 && odd_is_softer > 2, "{proved} {odd_is_softer}");
 }
