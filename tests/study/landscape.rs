@@ -103,7 +103,7 @@ fn copies_of_a_saddle_by_symmetry_are_one() {
         amplitude: 0.0777,
         periods: [2, 0],
     });
-    (scene.drive.start, scene.drive.turn) = (6.28, Turn::At(-0.3));
+    (scene.drive.start, scene.drive.turn) = (6.0, Turn::At(-0.3));
     scene.cell.length = 135.0887;
     let known = Known::of(scene);
     let (ground, gamma) = (known.ground(), known.model.law.surface_energy);
