@@ -13,10 +13,12 @@ mod branches;
 mod trace;
 
 use super::atlas::Support;
+use super::record::LOCATED;
 use crate::follow::walk::symmetry::slides_on;
 use crate::numerics::threads::Cancel;
 use crate::physics::control::Control;
 use crate::physics::indenter::Indenter;
+use crate::physics::law::Law;
 use crate::physics::low_block::Class;
 use crate::physics::mesh::Grid;
 use crate::physics::parameter::Refusal;
@@ -411,27 +413,23 @@ impl<'d> Piece<'d> {
     /// The state at a value of the control, without its amplitudes; meaningful within its extent.
     pub fn at(&self, value: f64) -> State {
         let control = self.branch.system.control();
-        // The energy's derivative with the control is to it what the stress is to u0.
-        let support = |p: &Point| {
-            let [du, ds] = p.rates;
-            Support {
-                u0: place(p),
-                energy: p.state.energy,
-                stress: control.conjugate(p.state.mean_displacement, p.state.stress),
-                slope: match p.kind {
-                    Kind::Fold => f64::INFINITY,
-                    _ => control.conjugate(du, ds) / control.balanced(du, ds)[0],
-                },
-            }
+        let ends = self.around(value);
+        // In a variable of its own, as which neither end is a fold.
+        let steady = steady(ends, self.branch.system.law());
+        let [a, b] = ends.map(|point| support(point, control, steady));
+        let place = |at: f64| steady.place(at, a.to(b, at).stress);
+        let falls_short = |at: f64| {
+            let [u0, stress] = place(at);
+            control.balanced(u0, stress)[0] < value
         };
-        let [a, b] = self.around(value).map(support);
-        let between = a.to(b, value);
-        let [mean_displacement, stress] = control.place(value, between.stress);
+        let at = boundary(a.u0, b.u0, falls_short);
+        let [mean_displacement, stress] = place(at);
+        let body = a.to(b, at).energy - steady.energy(at, mean_displacement);
         State {
             control: value,
             mean_displacement,
             amplitudes: Vec::new(),
-            energy: between.energy,
+            energy: body + control.energy(value, mean_displacement),
             stress,
         }
     }
@@ -441,6 +439,48 @@ impl<'d> Piece<'d> {
         let ([a, b], [c, d]) = (self.extent(), other.extent());
         let common = [a.max(c), b.min(d)];
         (common[0] < common[1]).then_some(common)
+    }
+}
+
+/// Where u0 changes by less than this share of what the stress does (in ranges and sigma_max), it is
+/// the stress that goes steadily.
+const UPRIGHT: f64 = 1e-6;
+
+/// What goes as steadily as can be from one point to the next, as if it were driven: along the mean
+/// of both tangents in the plane of u0 and stress. Next to a fold the control goes as the square of
+/// the way, this evenly with it.
+fn steady([a, b]: [&Point; 2], law: &Law) -> Control {
+    let (range, largest) = (law.range, law.traction_max());
+    let [mut du, mut ds] = [0.0; 2];
+    for [u, s] in [a.rates, b.rates] {
+        let [u, s] = [u / range, s / largest];
+        let length = u.hypot(s);
+        // Where a branch meets another both are stationary.
+        if length > 0.0 {
+            (du, ds) = (du + u / length, ds + s / length);
+        }
+    }
+    if ds == 0.0 {
+        Control::Displacement
+    } else if du.abs() < UPRIGHT * ds.abs() {
+        Control::Load
+    } else {
+        // u0 + stress/k grows along (du, ds), also where k is negative.
+        let stiffness = du / ds * largest / range;
+        Control::Spring { stiffness }
+    }
+}
+
+/// A point under `control` as it would be if `steady` were driven.
+fn support(point: &Point, control: Control, steady: Control) -> Support {
+    let (state, [du, ds]) = (&point.state, point.rates);
+    let (u0, stress) = (state.mean_displacement, state.stress);
+    let [at, _] = steady.balanced(u0, stress);
+    Support {
+        u0: at,
+        energy: state.body_energy(control) + steady.energy(at, u0),
+        stress: steady.conjugate(u0, stress),
+        slope: steady.conjugate(du, ds) / steady.balanced(du, ds)[0],
     }
 }
 
@@ -459,21 +499,48 @@ pub struct EqualEnergy {
     pub energy: f64,
 }
 
-/// All crossings of the energies of stable pieces.
+/// Share of a range, or of sigma_max, within which states of the same energy at one value of the
+/// control are the same, or copies of each other by symmetry.
+const COPY: f64 = 1e-3;
+
+impl EqualEnergy {
+    fn of([a, b]: [&Piece<'_>; 2], control: f64) -> Self {
+        let states = [a, b].map(|piece| piece.at(control));
+        Self {
+            branches: [a, b].map(|piece| piece.branch.name.clone()),
+            control,
+            mean_displacements: states.each_ref().map(|state| state.mean_displacement),
+            stresses: states.each_ref().map(|state| state.stress),
+            energy: states[0].energy,
+        }
+    }
+
+    /// True if one of its states, and one of another pair, are copies of each other.
+    fn has_copies(&self, i: usize, other: &Self, j: usize, law: &Law) -> bool {
+        let way = self.mean_displacements[i] - other.mean_displacements[j];
+        let pull = self.stresses[i] - other.stresses[j];
+        way.abs() < COPY * law.range && pull.abs() < COPY * law.traction_max()
+    }
+}
+
+/// All crossings of the energies of stable pieces, once where pieces are copies of each other.
 fn equal_energies(diagram: &Diagram) -> Vec<EqualEnergy> {
     let pieces: Vec<Piece<'_>> = diagram.pieces(0).collect();
-    let mut found = Vec::new();
+    let mut found: Vec<EqualEnergy> = Vec::new();
     for (i, a) in pieces.iter().enumerate() {
+        let law = a.branch.system.law();
+        let near = LOCATED * diagram.control.unit(law);
         for b in &pieces[i + 1..] {
             for control in crossings(a, b) {
-                let states = [a, b].map(|piece| piece.at(control));
-                found.push(EqualEnergy {
-                    branches: [a, b].map(|piece| piece.branch.name.clone()),
-                    control,
-                    mean_displacements: states.each_ref().map(|state| state.mean_displacement),
-                    stresses: states.each_ref().map(|state| state.stress),
-                    energy: states[0].energy,
-                });
+                let pair = EqualEnergy::of([a, b], control);
+                let is_known = |known: &EqualEnergy| {
+                    (known.control - control).abs() < near
+                        && (0..2).all(|k| pair.has_copies(k, known, k, law))
+                };
+                // The energies of copies differ by rounding alone.
+                if !pair.has_copies(0, &pair, 1, law) && !found.iter().any(is_known) {
+                    found.push(pair);
+                }
             }
         }
     }

@@ -244,6 +244,11 @@ impl LoopRecord {
             if pair[0].direction != pair[1].direction {
                 done.push(std::mem::take(&mut segment));
             }
+            // The end of a branch, where it was recorded too: the way from there is the jump.
+            if segment.points.is_empty() && a[0] == b[0] {
+                jumps.next_if(|j| j.direction == pair[1].direction && j.control == b[0]);
+                continue;
+            }
             segment.begin(a);
             // What was noticed only later: the kink was passed unbroken.
             let behind = |at: f64| (b[0] - a[0]) * (at - a[0]) <= 0.0;

@@ -451,6 +451,30 @@ mod tests {
     }
 
     #[test]
+    fn every_machine_over_any_ground_has_a_drive_of_u0_that_is_legal() {
+        let scene = fig2(64);
+        let grounds = Indenter::all().into_iter();
+        for ground in grounds.filter(|ground| ground.check().is_ok()) {
+            for (shape, control) in Shape::all()
+                .into_iter()
+                .flat_map(|shape| Control::all(0.05).map(|control| (shape, control)))
+            {
+                let scene = with_shape(&scene, &scene.model().unwrap(), shape);
+                let model = scene.model().unwrap();
+                let mut driven = with_ground(&scene, &model, ground.clone());
+                driven = with_control(&driven, &driven.model().unwrap(), control);
+                let fixed = driven.at_fixed_u0(&driven.model().unwrap());
+                let [word, law] = [control.word(), shape.word()];
+                assert!(
+                    fixed.validate().is_ok(),
+                    "{law} {word}: {:?}",
+                    fixed.validate()
+                );
+            }
+        }
+    }
+
+    #[test]
     fn every_number_of_a_scene_can_be_given_another_value_by_its_key() {
         let mut scene = fig2(64);
         scene.drive.control = Control::Spring { stiffness: 1.0 };

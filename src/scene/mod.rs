@@ -157,6 +157,12 @@ impl Model {
     }
 }
 
+/// The mean height of a ground (length).
+fn level(indenter: &Indenter, grid: &Grid) -> f64 {
+    let height = indenter.height(grid);
+    height.and_then(|height| height.mean()).unwrap_or(0.0)
+}
+
 /// Most steps from the start to the turn. What an interrupted loop of so many states has computed
 /// is written within a second where nothing else keeps the machine busy.
 const STEPS_MAX: f64 = 2e5;
@@ -212,12 +218,17 @@ impl Scene {
             Control::Load => Control::stop(law, model.equivalent_length),
             _ => upper,
         };
+        let contact = law.equilibrium_gap();
         if model.indenter != Indenter::Flat {
-            let depth = 0.6 * model.indenter.ground().relief(law) + law.range;
-            return [-depth, upper];
+            let deepest = -0.6 * model.indenter.ground().relief(law) - law.range;
+            let lower = match law.shape {
+                // It has no gap at or below zero, nor then a mean one.
+                Shape::Mie(_) => deepest.max(level(&model.indenter, &model.grid) + 0.3 * contact),
+                _ => deepest,
+            };
+            return [lower, upper];
         }
         // The flat state in contact that the turn holds; a Mie law has no gap at or below zero.
-        let contact = law.equilibrium_gap();
         let pressed = |gap: f64| {
             let [held, _] = control.balanced(gap, law.at(gap).traction);
             !(held >= lower)
@@ -281,11 +292,7 @@ impl Scene {
             return Err(Refusal::new("law.range", number(range), &allowed));
         }
         if let (Some(turn), Shape::Mie(_)) = (self.turn_of_u0(), law.shape) {
-            let level = self
-                .indenter
-                .height(&grid)
-                .and_then(|height| height.mean())
-                .unwrap_or(0.0);
+            let level = level(&self.indenter, &grid);
             if turn <= level {
                 let allowed = format!(
                     "above {}, the mean height of the ground: the Mie law is infinite at zero gap",

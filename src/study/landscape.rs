@@ -30,8 +30,9 @@ const TRIALS: usize = 20;
 /// Largest difference between two descriptions of one state, on meshes that differ, in stress over
 /// sigma_max and energy over gamma. Two stable states are never so near but where one becomes two.
 const SAME: f64 = 5e-3;
-/// Largest difference in energy between copies of one saddle by symmetry (gamma).
-const COPY: f64 = 1e-9;
+/// Largest difference in energy between copies of one saddle by symmetry (gamma): ten times what
+/// [`PLACED`] leaves open.
+const COPY: f64 = 1e-8;
 /// Unstable states that a path may come to by symmetry before it is given up.
 const LEGS: usize = 4;
 /// Largest traction over the load below which a body is off.
@@ -232,15 +233,9 @@ impl<'s> Ground<'s> {
         let mut saddles = Saddles::default();
         let mut known: Vec<f64> = Vec::new();
         for piece in self.diagram.pieces(1).filter(|piece| piece.holds(control)) {
-            // Copies of one saddle by symmetry are one.
-            let energy = piece.at(control).energy;
-            let copy = COPY * self.model.law.surface_energy;
-            if known.iter().any(|e| (e - energy).abs() < copy) {
-                continue;
-            }
-            known.push(energy);
-            match self.saddle(&piece, control) {
-                Ok(saddle) => saddles.found.push((saddle, piece)),
+            match self.saddle(&piece, control, &mut known) {
+                Ok(Some(saddle)) => saddles.found.push((saddle, piece)),
+                Ok(None) => {}
                 Err(Lost::Cancelled) => return Err(Lost::Cancelled),
                 Err(_) => {
                     let branch = &piece.branch.name;
@@ -285,25 +280,36 @@ impl<'s> Ground<'s> {
         nearest.map(|(_, piece)| piece)
     }
 
-    /// The saddle of a piece at a value of the control, with both sides.
-    fn saddle(self, piece: &Piece<'_>, control: f64) -> Result<Saddle, Lost> {
+    /// The saddle of a piece at a value of the control, with both sides; `None` if its energy is
+    /// among the `known` ones: copies of one saddle by symmetry are one.
+    fn saddle(
+        self,
+        piece: &Piece<'_>,
+        control: f64,
+        known: &mut Vec<f64>,
+    ) -> Result<Option<Saddle>, Lost> {
         let driven = self.scene.control();
         let mut mechanics = piece.branch.on_whole_cell(self.model, driven, self.cancel);
         let saddle = self.equilibrium(piece, control, &mut mechanics)?;
+        let (energy, copy) = (saddle.state.energy, COPY * self.model.law.surface_energy);
+        if known.iter().any(|other| (other - energy).abs() < copy) {
+            return Ok(None);
+        }
+        known.push(energy);
         let modes = negative_modes(&mut mechanics, &saddle)?;
         let [mode] = &modes[..] else {
             return Err(Lost::Unstable);
         };
         let mut back = mode.clone();
         scale(&mut back, -1.0);
-        Ok(Saddle {
+        Ok(Some(Saddle {
             branch: piece.branch.name.clone(),
             place: seen(&mechanics.system, &saddle, 0.0),
             sides: [
                 down(&mut mechanics, &saddle, mode)?,
                 down(&mut mechanics, &saddle, &back)?,
             ],
-        })
+        }))
     }
 
     /// Which side of a saddle is the `state`, if one is.
@@ -374,8 +380,8 @@ impl<'s> Ground<'s> {
                 let share = look as f64 / (LOOKS as f64 + 0.5);
                 let control = state.control + share * (end - state.control);
                 let there = Standing::on(&stable, control);
-                match self.saddle(saddles, control) {
-                    Ok(saddle) if self.side(&saddle, there).is_some() => *reached = control,
+                match self.saddle(saddles, control, &mut Vec::new()) {
+                    Ok(Some(saddle)) if self.side(&saddle, there).is_some() => *reached = control,
                     Err(Lost::Cancelled) => return Err(Lost::Cancelled),
                     _ => {
                         holds = false;

@@ -14,6 +14,7 @@
 use super::live_loop::{Fineness, LiveLoop, LiveLoops};
 use super::plan::{enclose, plan};
 use super::sweep::{self, Column, Spacing, Span, Study, column, grid};
+use crate::follow::atlas::Atlas;
 use crate::follow::record::{Direction, JumpRecord, LOCATED};
 use crate::follow::run::{LoopRun, run_loop};
 use crate::follow::walk::WalkOptions;
@@ -314,13 +315,14 @@ fn found(
     if let Ok(live) = loops.next(&wider, model, Fineness::Coarse) {
         return Ok(read(&live));
     }
-    // What an atlas finds that it does not hold is walked as the plan would have it then.
+    // What has no atlas is walked as the plan would have it.
     let mut walk = wider;
-    let part = match plan(scene, model, None).strategy {
-        Strategy::Walk(part) => part,
-        Strategy::Atlas => {
-            // On the mesh of its neighbours.
-            let points = Fineness::Coarse.points(&model.law, model.grid.length);
+    let part = match (Atlas::refusal(scene), plan(scene, model, None).strategy) {
+        (Some(_), Strategy::Walk(part)) => part,
+        // What an atlas finds that it does not hold, whatever the scene's own mesh is, as its
+        // neighbours: on a finer one than theirs, on which an atlas has its ridges too.
+        _ => {
+            let points = Fineness::Fine.points(&model.law, model.grid.length);
             walk.cell.points = scene.cell.points.resized(points.next_multiple_of(4));
             walk.drive.step = scene.drive.step.max(STEP * model.law.range);
             Part::Quarter

@@ -57,7 +57,7 @@ pub fn nearest_event(diagram: &Diagram, jump: &JumpRecord) -> f64 {
 
 /// Every jump of a loop that leaves a pattern lies at a fold or a bifurcation of the diagram: both
 /// are located within 1e-5 ranges.
-fn holds_jumps_of(diagram: &Diagram, run: &LoopRun, range: f64) {
+pub fn holds_jumps_of(diagram: &Diagram, run: &LoopRun, range: f64) {
     let jumps = run.record.jumps.iter();
     let patterned: Vec<_> = jumps.filter(|j| j.cause != Cause::FlatLimit).collect();
     for jump in &patterned {

@@ -4,7 +4,7 @@
 use crate::loops::{driven, on, planned, preset, preset_on, start, walked};
 use nalgebra::{DMatrix, DVector};
 use std::f64::consts::PI;
-use tackscope::follow::record::{Cause, Direction, JumpRecord, LoopRecord};
+use tackscope::follow::record::{Cause, Direction, JumpRecord, LoopRecord, StateRecord};
 use tackscope::follow::run::{Outcome, run_loop};
 use tackscope::follow::walk::{Observed, Progress, Stuck};
 use tackscope::numerics::threads::Cancel;
@@ -197,6 +197,27 @@ fn the_loss_does_not_depend_on_how_deep_or_in_which_steps_the_loop_goes() {
             && ledger.mismatch().unwrap() < 1e-4,
         "{ledger:?}"
     );
+}
+
+/// As in loops along the curves of an atlas or a diagram.
+#[test]
+fn the_ends_of_branches_among_the_states_change_no_loop_integral() {
+    let scene = preset_on("fig2", Points::Square(48));
+    let run = walked(&scene, Part::Quarter);
+    let mut with_ends = run.record.clone();
+    for jump in &run.record.jumps {
+        let landing = |s: &StateRecord| s.direction == jump.direction && s.control == jump.control;
+        let states = &mut with_ends.states;
+        let i = states.iter().rposition(landing).unwrap();
+        let end = StateRecord {
+            stress: jump.stress_before,
+            ..states[i].clone()
+        };
+        states.insert(i, end);
+    }
+    assert_eq!(run.record.jumps.len(), 8);
+    let off = with_ends.work() / run.record.work() - 1.0;
+    assert!(off.abs() < 1e-12, "{off:e}");
 }
 
 #[test]

@@ -6,6 +6,7 @@ mod control;
 mod dense;
 mod diagram;
 mod diagram_control;
+mod diagram_states;
 mod dissipation;
 mod invariance;
 mod landings;

@@ -9,7 +9,7 @@ use tackscope::follow::diagram::{Branch, Diagram, Kind};
 use tackscope::numerics::dense::{dot, norm};
 use tackscope::numerics::threads::Cancel;
 use tackscope::physics::control::Control;
-use tackscope::physics::indenter::Indenter;
+use tackscope::physics::indenter::{Indenter, Wave};
 use tackscope::physics::law::{Morse, Shape};
 use tackscope::physics::mesh::Grid;
 use tackscope::physics::pattern::Pattern;
@@ -92,6 +92,37 @@ impl Known {
         let powers = barriers.windows(2).map(|pair| (pair[0] / pair[1]).log2());
         powers.collect()
     }
+}
+
+/// Crests in a row: what breaks their symmetry does so in several equal ways.
+#[test]
+fn copies_of_a_saddle_by_symmetry_are_one() {
+    let mut scene = flat_ground(Shape::Morse(Morse), 2.04, Points::Line(40));
+    scene.law.surface_energy = 0.19;
+    scene.indenter = Indenter::Wave(Wave {
+        amplitude: 0.0777,
+        periods: [2, 0],
+    });
+    (scene.drive.start, scene.drive.turn) = (6.0, Turn::At(-0.3));
+    scene.cell.length = 135.0887;
+    let known = Known::of(scene);
+    let (ground, gamma) = (known.ground(), known.model.law.surface_energy);
+    let pieces: Vec<_> = known.diagram.pieces(1).collect();
+    let pairs = pieces.iter().enumerate();
+    let pairs = pairs.flat_map(|(i, a)| pieces[i + 1..].iter().filter_map(|b| a.common(b)));
+    let mut copies = 0;
+    for [low, high] in pairs {
+        let control = low + 0.9 * (high - low);
+        let energies = ground.saddles(control).unwrap().found.into_iter();
+        let mut energies: Vec<f64> = energies.map(|(saddle, _)| saddle.place.energy).collect();
+        energies.sort_by(f64::total_cmp);
+        let apart = energies.windows(2).map(|pair| (pair[1] - pair[0]) / gamma);
+        let nearest = apart.fold(f64::INFINITY, f64::min);
+        assert!(nearest > 1e-7, "{nearest:e} gamma apart at {control}");
+        let held = pieces.iter().filter(|piece| piece.holds(control));
+        copies += held.count() - energies.len();
+    }
+    assert!(copies > 0, "the test needs copies");
 }
 
 /// True if these powers tend to `goal`: each is nearer than the one before, or as near as located

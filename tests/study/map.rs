@@ -1,9 +1,10 @@
 //! The map of patterns: against closed forms, against loops made afresh, and where none is known. And
 //! the measured stability of GFMD against the bound, on the approach of Fig. 2.
 
-use crate::loops::{assert_same_jumps, preset, preset_on, walked};
+use crate::loops::{assert_same_jumps, flat_ground, preset, preset_on, walked};
 use tackscope::follow::record::{Cause, Direction, JumpRecord};
 use tackscope::numerics::threads::Cancel;
+use tackscope::physics::law::{Morse, Shape};
 use tackscope::physics::theory::{critical_length, flat_limits};
 use tackscope::scene::{Part, Points, Range, Scene, Turn};
 use tackscope::study::live_loop::{Fineness, LiveLoops};
@@ -119,6 +120,22 @@ fn below_the_critical_length_nothing_jumps_and_nothing_is_lost() {
         assert_eq!(found.jumps.is_empty(), row.value < critical, "{row:?}");
         assert_eq!(found.dissipated_energy == 0.0, row.value < critical);
     }
+}
+
+/// Of some of these cells the atlas does not hold the loop, and they are walked.
+#[test]
+fn the_mesh_of_a_square_scene_does_not_enter_its_map() {
+    let on = |points| {
+        let mut scene = flat_ground(Shape::Morse(Morse), 1.46, Points::Square(points));
+        scene.law.surface_energy = 0.1452633258432881;
+        scene.drive.step = 0.1;
+        let vary = "cell.length=80.4459..184.8818".parse::<Vary>().unwrap();
+        let map = PatternMap::of(&scene, &vary, 17, &Cancel::default(), &mut |_, _| {});
+        let rows = map.unwrap().rows.into_iter();
+        rows.map(|row| row.found.unwrap()).collect::<Vec<_>>()
+    };
+    // The first is too coarse for an atlas.
+    assert_eq!(on(16), on(32));
 }
 
 #[test]

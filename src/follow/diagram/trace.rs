@@ -7,15 +7,18 @@ use crate::numerics::dense::{add, dot, norm};
 use crate::physics::control::Control;
 use crate::physics::pattern::Pattern;
 use crate::physics::system::{Fields, State};
+use crate::physics::theory::flat_limits;
 use crate::solver::continuation::{Knot, way};
 use crate::solver::index::{Counts, Index};
 use crate::solver::mechanics::Mechanics;
 use crate::solver::method::Lost;
 
 /// First step, and the longest (ranges): shorter than any branch of the paper's, so that none is
-/// jumped over.
+/// jumped over; on uneven ground, where crests come into contact one by one, shorter than what a
+/// branch goes between the events of one crest.
 const FIRST: f64 = 0.05;
 const LONGEST: f64 = 0.7;
+const LONGEST_UNEVEN: f64 = 0.1;
 /// A branch is lost when the step falls below this (ranges).
 const SHORTEST: f64 = 1e-5;
 /// Error of the prediction (ranges) that the step length aims at.
@@ -116,7 +119,9 @@ impl Tracer {
             let found = self
                 .step(behind.as_ref(), &here, step)
                 .and_then(|(next, error)| {
-                    if step > APART * range && hidden(&here, &next) {
+                    if step > APART * range && hidden(&here, &next)
+                        || step > SHORT * range && returns(&here, &next)
+                    {
                         return Err(Lost::Gone);
                     }
                     let events = self.events(&here, &next)?;
@@ -141,7 +146,7 @@ impl Tracer {
                 return Err(Lost::Gone);
             }
             let longer = (AIM * range / error.max(1e-12 * range)).powf(0.3);
-            step = (step * longer.clamp(0.4, 2.0)).min(LONGEST * range);
+            step = (step * longer.clamp(0.4, 2.0)).min(self.longest(&next.knot));
             points.extend(events);
             points.push(next.point());
             match end(&here.knot, &next.knot) {
@@ -151,6 +156,27 @@ impl Tracer {
             behind = Some(std::mem::replace(&mut here, next).knot);
         }
         Ok(Ending::Budget)
+    }
+
+    /// How far a step may go from here (length).
+    fn longest(&mut self, here: &Knot) -> f64 {
+        let system = &self.mechanics.system;
+        let range = system.law().range;
+        if system.is_flat() {
+            return LONGEST * range;
+        }
+        // Where no wave can soften the law alone changes, the less the farther away.
+        let limits = flat_limits(system.law(), system.equivalent_length());
+        let upper = limits.map_or(0.0, |(_, upper)| upper);
+        let State {
+            amplitudes,
+            mean_displacement,
+            ..
+        } = &here.state;
+        let gap = self.mechanics.gap(amplitudes, *mean_displacement);
+        let nearest = gap.into_iter().fold(f64::INFINITY, f64::min);
+        let scale = if nearest > upper { nearest } else { 0.0 };
+        (LONGEST_UNEVEN * scale.max(range)).min(LONGEST * range)
     }
 
     /// The place a step onwards, and the error of its prediction (length).
@@ -323,6 +349,22 @@ fn turns(a: &Counted, b: &Counted) -> [bool; 2] {
     [[a.knot.rate(), b.knot.rate()], [a.rate, b.rate]].map(|[a, b]| a * b < 0.0)
 }
 
+/// True if u0 turns back between the limit of the flat state at which a branch begins and the next
+/// place.
+fn returns(a: &Counted, b: &Counted) -> bool {
+    let [from, to] = [&a.knot, &b.knot];
+    let gone = to.state.mean_displacement - from.state.mean_displacement;
+    a.counts.is_none() && turns_near(&from.state, gone, to.rate() * (to.arc - from.arc))
+}
+
+/// True if u0 turns back between a limit of the flat state, where it is stationary, and a place
+/// from which it differs by so much, and by so much along the tangent there. Of u0 = a s^2 + b s^4
+/// this is where the fourth order is more than half of the second, of the other sign. Where other
+/// branches meet is known too roughly to tell.
+fn turns_near(limit: &State, difference: f64, tangent: f64) -> bool {
+    limit.roughness() == 0.0 && difference * tangent < 0.25 * tangent * tangent
+}
+
 /// True if a turn between two places hides, or hides itself behind, a change among the pattern's
 /// own modes.
 fn hidden(a: &Counted, b: &Counted) -> bool {
@@ -382,9 +424,11 @@ fn predict(behind: Option<&Knot>, here: &Knot, step: f64) -> (Vec<f64>, f64) {
 
 /// A branch about to meet another is taken to the known point of that when it is so near (ranges)
 /// and heads for it with this cosine: there two directions lead on, and the bordered system is
-/// singular. Until then a step goes no more than half the way.
+/// singular. Until then a step goes no more than half the way. Where there is a fold before it, it
+/// is so near only behind that.
 const CLOSE: f64 = 0.1;
 const ALIGNED: f64 = 0.9;
+const NEAREST: f64 = 0.005;
 
 /// A bifurcation at which a branch leaves another.
 #[derive(Clone)]
@@ -448,7 +492,7 @@ impl Diagram {
             if (ends.beyond)(a, b) {
                 return Err(Ending::Window);
             }
-            way_to(&(ends.others)(&b.state), &a.state, &b.state, range).map_err(|which| {
+            way_to(&(ends.others)(&b.state), a, b, range).map_err(|which| {
                 met = Some(which);
                 ends.met
             })
@@ -502,16 +546,18 @@ fn meeting(state: State, last: Option<&Point>, index: usize) -> Point {
 ///
 /// # Errors
 /// Which of them it has met.
-fn way_to(states: &[State], a: &State, b: &State, range: f64) -> Result<f64, usize> {
-    let step = way(a.joint(), b.joint());
+fn way_to(states: &[State], a: &Knot, b: &Knot, range: f64) -> Result<f64, usize> {
+    let step = way(a.state.joint(), b.state.joint());
     let mut longest = f64::INFINITY;
     for (i, state) in states.iter().enumerate() {
-        let left = way(b.joint(), state.joint());
+        let left = way(b.state.joint(), state.joint());
         let far = norm(&left);
-        if far < CLOSE * range && dot(&left, &step) > ALIGNED * far * norm(&step) {
+        let hides = turns_near(state, left[0], b.rate() * far);
+        let close = range * if hides { NEAREST } else { CLOSE };
+        if far < close && dot(&left, &step) > ALIGNED * far * norm(&step) {
             return Err(i);
         }
-        longest = longest.min((0.5 * far).max(0.5 * CLOSE * range));
+        longest = longest.min((0.5 * far).max(0.5 * close));
     }
     Ok(longest)
 }
