@@ -6,6 +6,7 @@ use crate::follow::flat_branch::{Fading, refade};
 use crate::follow::record::LOCATED;
 use crate::numerics::dense::{add, norm};
 use crate::physics::control::Control;
+use crate::physics::law::Law;
 use crate::physics::system::{Fields, carried};
 use crate::physics::theory::{boundary, critical_length};
 use crate::solver::method::{Lost, distance};
@@ -30,8 +31,7 @@ const SOFT: f64 = 0.1;
 const ONE: f64 = 0.1;
 /// Share of q1 to which the eigenvalue that vanishes at a fold is known there.
 const FOLDED: f64 = 1e-3;
-/// Accuracy (ranges) of u0 where a machine turns back: the control is then off by parts in a
-/// million.
+/// Accuracy (ranges) of u0 where a machine turns back, at most: the control is stationary there.
 const TURN: f64 = 1e-3;
 /// A curve fits where it has the stress of a node between its supports to this share of sigma_max;
 /// and most nodes that are added for it.
@@ -335,23 +335,32 @@ fn turning_point(control: Control, stable: &Node, beyond: &Node) -> f64 {
     })
 }
 
-/// The node there. As the control is stationary, its value and the energy are known to second order
-/// in what u0 is off.
+/// How closely (length) u0 is to be known where the control turns back, so that its value and the
+/// energy, to second order in what u0 is off, are; the slope of the branch changes by `bend` a
+/// length, by much next to a fold of u0.
+fn turning_within(control: Control, law: &Law, bend: f64) -> f64 {
+    let [driven, _] = control.balanced(0.0, 0.5 * bend.abs());
+    let off = ONE * LOCATED * control.unit(law);
+    (TURN * law.range).min((off / driven).sqrt())
+}
+
+/// The node there.
 fn turn(
     sector: &mut Sector,
     control: Control,
     stable: &Node,
     beyond: &Node,
 ) -> Result<(Node, Fields), Lost> {
-    let near = TURN * sector.system().law().range;
+    let law = *sector.system().law();
     let (mut a, mut b) = (stable.clone(), beyond.clone());
     let mut last = f64::INFINITY;
     for _ in 0..CROSSINGS {
         let u0 = turning_point(control, &a, &b);
         let (mut node, fields) = node_between(sector, (&a, &b), u0, None, SHARP)?;
-        if (u0 - last).abs() < near {
+        let bend = (node.slope - a.slope) / (u0 - a.u0());
+        if (u0 - last).abs() < turning_within(control, &law, bend) {
             sector.sharpen(&mut node, &fields);
-            node.bend = (node.slope - a.slope) / (u0 - a.u0());
+            node.bend = bend;
             return Ok((node, fields));
         }
         last = u0;
@@ -450,7 +459,9 @@ fn vanishing(met: &[(f64, f64)]) -> f64 {
 /// It was not found.
 fn returned(sector: &mut Sector, control: Control, near: &Node) -> Result<Node, Lost> {
     let softened = |node: &Node| node.slope + control.stiffness();
-    let (mut node, _, rate) = zero_along(sector, near, TURN, softened)?;
+    let law = *sector.system().law();
+    let within = turning_within(control, &law, near.bend) / law.range;
+    let (mut node, _, rate) = zero_along(sector, near, within, softened)?;
     node.bend = rate;
     Ok(node)
 }
