@@ -22,6 +22,18 @@ pub(super) fn located_energy(control: Control, law: &Law, [one, other]: [f64; 2]
     LOCATED * control.unit(law) * (one - other).abs() / law.surface_energy
 }
 
+/// Accuracy (ranges) of u0 where a machine turns back, at most, and the share of [`LOCATED`] within
+/// which the control is then known.
+const TURN: f64 = 1e-3;
+const TURNED: f64 = 0.1;
+
+/// True if the control turns back so close to a state of a branch of this `slope` that it is known, with
+/// u0 `off` (length) at most. Next to a fold of u0 the slope changes fast, and with it the control.
+pub(super) fn has_turned(control: Control, law: &Law, slope: f64, off: f64) -> bool {
+    let [driven, _] = control.balanced(off, slope * off);
+    off.abs() < TURN * law.range && driven.abs() < TURNED * LOCATED * control.unit(law)
+}
+
 /// True if a state jumped into another, with which the energy of the surface falls by `released`
 /// (gamma) and its derivative with the control changes from one of these to the other. What
 /// releases no more than it may within [`LOCATED`] of where two branches meet goes over from one to

@@ -414,6 +414,12 @@ impl Walk {
         (residual * self.model.law.traction_max()).powi(2) / stiffness
     }
 
+    /// The same, in gamma, of a `state` along its softest mode.
+    fn left_open(&self, state: &Equilibrium) -> f64 {
+        let softest = state.stiffness_min.map_or(f64::INFINITY, |s| s.value);
+        self.energy_open(state.residual, softest) / self.model.law.surface_energy
+    }
+
     /// The derivative of the energy of a `state` with the control.
     fn conjugate(&self, state: &State) -> f64 {
         self.control()

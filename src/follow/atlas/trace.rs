@@ -3,10 +3,9 @@
 
 use super::read_off::{Branch, End, Support, between, node_between};
 use crate::follow::flat_branch::{Fading, refade};
-use crate::follow::record::LOCATED;
+use crate::follow::record::{LOCATED, has_turned};
 use crate::numerics::dense::{add, norm};
 use crate::physics::control::Control;
-use crate::physics::law::Law;
 use crate::physics::system::{Fields, carried};
 use crate::physics::theory::{boundary, critical_length};
 use crate::solver::method::{Lost, distance};
@@ -31,8 +30,6 @@ const SOFT: f64 = 0.1;
 const ONE: f64 = 0.1;
 /// Share of q1 to which the eigenvalue that vanishes at a fold is known there.
 const FOLDED: f64 = 1e-3;
-/// Accuracy (ranges) of u0 where a machine turns back, at most: the control is stationary there.
-const TURN: f64 = 1e-3;
 /// A curve fits where it has the stress of a node between its supports to this share of sigma_max;
 /// and most nodes that are added for it.
 const FIT: f64 = 1e-6;
@@ -335,15 +332,6 @@ fn turning_point(control: Control, stable: &Node, beyond: &Node) -> f64 {
     })
 }
 
-/// How closely (length) u0 is to be known where the control turns back, so that its value and the
-/// energy, to second order in what u0 is off, are; the slope of the branch changes by `bend` a
-/// length, by much next to a fold of u0.
-fn turning_within(control: Control, law: &Law, bend: f64) -> f64 {
-    let [driven, _] = control.balanced(0.0, 0.5 * bend.abs());
-    let off = ONE * LOCATED * control.unit(law);
-    (TURN * law.range).min((off / driven).sqrt())
-}
-
 /// The node there.
 fn turn(
     sector: &mut Sector,
@@ -357,10 +345,9 @@ fn turn(
     for _ in 0..CROSSINGS {
         let u0 = turning_point(control, &a, &b);
         let (mut node, fields) = node_between(sector, (&a, &b), u0, None, SHARP)?;
-        let bend = (node.slope - a.slope) / (u0 - a.u0());
-        if (u0 - last).abs() < turning_within(control, &law, bend) {
+        if has_turned(control, &law, node.slope, u0 - last) {
             sector.sharpen(&mut node, &fields);
-            node.bend = bend;
+            node.bend = (node.slope - a.slope) / (u0 - a.u0());
             return Ok((node, fields));
         }
         last = u0;
@@ -460,8 +447,8 @@ fn vanishing(met: &[(f64, f64)]) -> f64 {
 fn returned(sector: &mut Sector, control: Control, near: &Node) -> Result<Node, Lost> {
     let softened = |node: &Node| node.slope + control.stiffness();
     let law = *sector.system().law();
-    let within = turning_within(control, &law, near.bend) / law.range;
-    let (mut node, _, rate) = zero_along(sector, near, within, softened)?;
+    let found = |node: &Node, off| has_turned(control, &law, node.slope, off);
+    let (mut node, _, rate) = zero_along(sector, near, softened, found)?;
     node.bend = rate;
     Ok(node)
 }
@@ -471,17 +458,19 @@ fn returned(sector: &mut Sector, control: Control, near: &Node) -> Result<Node, 
 /// # Errors
 /// It was not found.
 fn recross(sector: &mut Sector, near: &Node) -> Result<Node, Lost> {
-    let (node, correction, rate) = zero_along(sector, near, LOCATED, |node| node.breaking)?;
+    let within = LOCATED * sector.system().law().range;
+    let found = |_: &Node, off: f64| off.abs() < within;
+    let (node, correction, rate) = zero_along(sector, near, |node| node.breaking, found)?;
     Ok(moved(node, correction, rate))
 }
 
-/// The node next to `near` at which a `value` that falls at its rate `near.bend` vanishes within so
-/// many ranges; how far it is still off, and the rate there.
+/// The node next to `near` at which a `value` that falls at its rate `near.bend` vanishes; how far
+/// off that still is, when it is `near_enough`, and the rate there.
 fn zero_along(
     sector: &mut Sector,
     near: &Node,
-    within: f64,
     value: impl Fn(&Node) -> f64,
+    near_enough: impl Fn(&Node, f64) -> bool,
 ) -> Result<(Node, f64, f64), Lost> {
     let range = sector.system().law().range;
     let (mut u0, mut z) = (near.u0(), near.state.amplitudes.clone());
@@ -498,7 +487,7 @@ fn zero_along(
         if node.own <= 0.0 || !(correction.abs() < LONGEST * range) {
             break;
         }
-        if correction.abs() < within * range {
+        if near_enough(&node, correction) {
             return Ok((node, correction, rate));
         }
         z = node.state.amplitudes.clone();

@@ -436,9 +436,9 @@ impl Walk {
                 conjugate,
                 released,
                 cause: Cause::Fold,
+                jumped: true,
                 landings: Vec::new(),
             },
-            true,
             observe,
         );
         Some(Progress::Working)

@@ -63,6 +63,8 @@ pub(super) struct Leaving {
     pub(super) released: f64,
     /// What gave way.
     pub(super) cause: Cause,
+    /// False if it may as well have gone over into where it landed.
+    pub(super) jumped: bool,
     /// Where kicks lead, if that is contested.
     pub(super) landings: Vec<Share>,
 }
@@ -82,13 +84,10 @@ impl Walk {
         &mut self,
         cause: Cause,
         at: f64,
-        Barrier {
-            at: latest,
-            soft_mode,
-            ..
-        }: Barrier,
+        barrier: Barrier,
         landings: Vec<Fall>,
     ) -> Progress {
+        let (latest, soft_mode) = (barrier.at, barrier.soft_mode);
         let (_, energy_before) = self.carried_to(at);
         let from_flat = cause == Cause::FlatLimit;
         let kick = if from_flat { FLAT_KICK } else { KICK };
@@ -109,12 +108,6 @@ impl Walk {
             latest,
             landings,
         }))
-    }
-
-    /// How much of the energy (gamma) of a `state` its residual leaves open along the softest mode.
-    fn left_open(&self, state: &Equilibrium) -> f64 {
-        let softest = state.stiffness_min.map_or(f64::INFINITY, |s| s.value);
-        self.energy_open(state.residual, softest) / self.model.law.surface_energy
     }
 
     fn release_from(&self, at: Evaluation) -> Release {
@@ -417,10 +410,8 @@ impl Walk {
             // The end lies a hair farther on than was expected.
             let left = self.here.state.control;
             let at = control + FARTHER * (jumping.latest - left);
-            let Jumping {
-                cause, soft_mode, ..
-            } = *jumping;
-            return self.release_because(cause, at, Barrier::blind(at, soft_mode), Vec::new());
+            let barrier = Barrier::blind(at, jumping.soft_mode);
+            return self.release_because(jumping.cause, at, barrier, Vec::new());
         }
         let Jumping {
             cause, landings, ..
@@ -433,9 +424,9 @@ impl Walk {
                 conjugate,
                 released,
                 cause,
+                jumped,
                 landings: shares.map(|fall| fall.share).collect(),
             },
-            jumped,
             observe,
         );
         Progress::Working
@@ -451,9 +442,9 @@ impl Walk {
             conjugate,
             released,
             cause,
+            jumped,
             landings,
         }: Leaving,
-        jumped: bool,
         observe: &mut dyn FnMut(Observed),
     ) {
         let left = std::mem::replace(&mut self.here, landed);
