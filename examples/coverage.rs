@@ -2,13 +2,15 @@
 //! mesh half as fine again.
 //!
 //! Prints one row a loop, then the table of the guide: `cargo run --release --no-default-features
-//! --example coverage`. Arguments: `COUNT` (200) and `FIRST` seed (1). Every smooth law, squares
-//! and lines, every strategy, stiff machines and springs, targets from 0.1 to 1e-5. A loop that does
-//! not complete, loses a jump or has one too many counts as outside.
+//! --example coverage`. Arguments: `COUNT` (200), `FIRST` seed (1), and between which L/L_c the cells
+//! lie (1.15 and 5). Every smooth law, squares and lines, every strategy, stiff machines and springs,
+//! targets from 0.1 to 1e-5. A loop that does not complete, loses a jump or has one too many counts
+//! as outside.
 
 use rand::seq::IndexedRandom;
 use rand::{Rng, SeedableRng};
 use rand_pcg::Pcg64;
+use std::ops::Range;
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicU64, Ordering};
 use tackscope::follow::run::{Outcome, run_loop};
@@ -20,7 +22,7 @@ use tackscope::physics::indenter::Indenter;
 use tackscope::physics::law::{DoubleExponential, Law, Mie, Morse, Shape};
 use tackscope::physics::mesh::next_fast;
 use tackscope::physics::theory::{critical_length, flat_limits};
-use tackscope::scene::{Cell, Drive, LawChoice, Model, Part, Points, Range, Scene, Strategy, Turn};
+use tackscope::scene::{self, Cell, Drive, LawChoice, Model, Part, Points, Scene, Strategy, Turn};
 use tackscope::solver::methods::MethodKind::NewtonKrylov;
 use tackscope::study::plan::{Plan, measured_error, plan, read_off, run_planned};
 
@@ -34,9 +36,9 @@ struct Trial {
     measured: f64,
 }
 
-/// A loop from beyond every jump to below the lowest limit of the flat state, and how it is to be
-/// computed.
-fn random(seed: u64) -> (Scene, Option<Strategy>) {
+/// A loop in a cell of so many critical lengths, from beyond every jump to below the lowest limit of
+/// the flat state, and how it is to be computed.
+fn random(seed: u64, periods: Range<f64>) -> (Scene, Option<Strategy>) {
     let rng = &mut Pcg64::seed_from_u64(seed);
     let shape = match rng.random_range(0..3) {
         0 => Shape::Morse(Morse),
@@ -56,7 +58,7 @@ fn random(seed: u64) -> (Scene, Option<Strategy>) {
         surface_energy: rng.random_range(0.02..0.3),
         range: 1.0,
     };
-    let length = critical_length(&law) * rng.random_range(1.15..5.0);
+    let length = critical_length(&law) * rng.random_range(periods);
     let line = rng.random_bool(0.3);
     let target = 10f64.powf(rng.random_range(-5.0..-1.0));
     let (low, high) = flat_limits(&law, length).expect("longer than the critical length");
@@ -83,7 +85,7 @@ fn random(seed: u64) -> (Scene, Option<Strategy>) {
         law: LawChoice {
             shape,
             surface_energy: law.surface_energy,
-            range: Range::Length(1.0),
+            range: scene::Range::Length(1.0),
         },
         indenter: Indenter::Flat,
         drive: Drive {
@@ -173,13 +175,13 @@ fn trial(scene: &Scene, model: &Model, plan: &Plan) -> Trial {
 }
 
 fn main() {
-    let mut arguments = std::env::args()
+    let arguments: Vec<f64> = std::env::args()
         .skip(1)
-        .filter_map(|argument| argument.parse::<u64>().ok());
-    let (count, first) = (
-        arguments.next().unwrap_or(200),
-        arguments.next().unwrap_or(1),
-    );
+        .filter_map(|argument| argument.parse().ok())
+        .collect();
+    let argument = |i: usize, usual: f64| arguments.get(i).copied().unwrap_or(usual);
+    let (count, first) = (argument(0, 200.0) as u64, argument(1, 1.0) as u64);
+    let periods = argument(2, 1.15)..argument(3, 5.0);
     let (next, trials) = (AtomicU64::new(first), Mutex::new(Vec::new()));
     println!("seed,strategy,target,law,periods,points,mu_rho,predicted,measured");
     let work = || {
@@ -188,7 +190,7 @@ fn main() {
             if seed >= first + count {
                 return;
             }
-            let (scene, asked) = random(seed);
+            let (scene, asked) = random(seed, periods.clone());
             let model = scene.model().expect("a legal scene");
             let plan = plan(&scene, &model, asked);
             let trial = trial(&scene, &model, &plan);

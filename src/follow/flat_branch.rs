@@ -149,6 +149,19 @@ impl FlatBranch {
         flat
     }
 
+    /// The same next to gap `u0` where the control has this `value`: the energy of a machine that
+    /// yields goes with what u0 is off.
+    pub fn state_at(&self, system: &System, u0: f64, value: f64) -> Equilibrium {
+        let gap = if self.is_stable(u0) {
+            self.at_control(u0, value).unwrap_or(u0)
+        } else {
+            u0
+        };
+        let mut flat = self.state(system, gap);
+        flat.state.control = value;
+        flat
+    }
+
     /// True if the flat state at gap `u0` is stable. At the limit itself it is not: nothing holds the
     /// softest wave there.
     pub fn is_stable(&self, u0: f64) -> bool {

@@ -46,7 +46,7 @@ const BETWEEN: f64 = 1e-2;
 /// energies are off by its square.
 const AT_REST: f64 = 1e-5;
 /// A loss below this (in gamma) is rounding.
-pub const LOSS_MIN: f64 = 1e-6;
+const LOSS_MIN: f64 = 1e-6;
 /// Share of the loss by which loop integral and loss may differ without a word, beside their
 /// errors: the digits that are shown.
 const SHOWN: f64 = 1e-3;
@@ -67,10 +67,10 @@ impl Ledger {
     /// of branches are located. `None` where nothing is promised.
     pub fn stated_error(&self, predicted: f64) -> Option<f64> {
         let loss = self.dissipated_energy()?;
-        let located = if loss.abs() > LOSS_MIN {
-            self.released_energy_error / loss.abs()
-        } else {
+        let located = if loss == 0.0 {
             0.0
+        } else {
+            self.released_energy_error / loss.abs()
         };
         Some(predicted + located).filter(|error| *error < 1.0 && !self.viscous)
     }

@@ -1,6 +1,7 @@
 //! What a walk leaves behind: states and jumps.
 
 use crate::physics::control::Control;
+use crate::physics::law::Law;
 use crate::physics::pattern::Pattern;
 use crate::scene::Part;
 use crate::solver::Stop;
@@ -11,8 +12,41 @@ use std::fmt;
 /// runs of any step or seed may differ.
 pub const LOCATED: f64 = 1e-5;
 
-/// Released energy, in gamma, up to which a pattern that goes over into another has not jumped.
-pub(super) const EVENT: f64 = 1e-6;
+/// Largest difference in stress (sigma_max) between two descriptions of one state.
+pub(super) const SAME: f64 = 1e-4;
+
+/// How far a `released` energy (gamma) may be off because the end of a branch is found within
+/// [`LOCATED`], where the derivative of the energy with the control is one of these before and the
+/// other after.
+pub(super) fn located_energy(control: Control, law: &Law, [one, other]: [f64; 2]) -> f64 {
+    LOCATED * control.unit(law) * (one - other).abs() / law.surface_energy
+}
+
+/// Accuracy (ranges) of u0 where a machine turns back, at most, and the share of [`LOCATED`] within
+/// which the control is then known.
+const TURN: f64 = 1e-3;
+const TURNED: f64 = 0.1;
+
+/// True if the control turns back so close to a state of a branch of this `slope` that it is known, with
+/// u0 `off` (length) at most. Next to a fold of u0 the slope changes fast, and with it the control.
+pub(super) fn has_turned(control: Control, law: &Law, slope: f64, off: f64) -> bool {
+    let [driven, _] = control.balanced(off, slope * off);
+    off.abs() < TURN * law.range && driven.abs() < TURNED * LOCATED * control.unit(law)
+}
+
+/// True if a state jumped into another, with which the energy of the surface falls by `released`
+/// (gamma) and its derivative with the control changes from one of these to the other. What
+/// releases no more than it may within [`LOCATED`] of where two branches meet goes over from one to
+/// the other.
+pub(super) fn is_jump(
+    control: Control,
+    law: &Law,
+    [before, after]: [f64; 2],
+    released: f64,
+) -> bool {
+    (after - before).abs() > SAME * control.conjugate_unit(law)
+        && released > located_energy(control, law, [before, after])
+}
 
 /// Direction of the drive.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]

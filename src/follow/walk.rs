@@ -122,6 +122,8 @@ struct Jumping {
     kick: f64,
     /// Energy of the state before, carried to the control of the jump.
     energy_before: f64,
+    /// Where at the latest its branch has come to an end.
+    latest: f64,
     /// Where kicks lead from a limit of the flat state.
     landings: Vec<Fall>,
 }
@@ -325,9 +327,7 @@ impl Walk {
         self.here = match self.flat.filter(|_| uniform) {
             Some(flat) => {
                 let u0 = found.at.state.mean_displacement;
-                let mut state = flat.state(self.system(), u0);
-                state.state.control = control;
-                state
+                flat.state_at(self.system(), u0, control)
             }
             None => self.measure(found, 0).map_err(|stuck| match stuck {
                 Progress::Cancelled => Lost::Cancelled,
@@ -407,6 +407,18 @@ impl Walk {
     /// [`Control::unit`] of the law.
     fn unit(&self) -> f64 {
         self.control().unit(&self.model.law)
+    }
+
+    /// How much energy per area a `residual` leaves open along a mode of this stiffness (E* times
+    /// length).
+    fn energy_open(&self, residual: f64, stiffness: f64) -> f64 {
+        (residual * self.model.law.traction_max()).powi(2) / stiffness
+    }
+
+    /// The same, in gamma, of a `state` along its softest mode.
+    fn left_open(&self, state: &Equilibrium) -> f64 {
+        let softest = state.stiffness_min.map_or(f64::INFINITY, |s| s.value);
+        self.energy_open(state.residual, softest) / self.model.law.surface_energy
     }
 
     /// The derivative of the energy of a `state` with the control.

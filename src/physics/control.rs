@@ -87,6 +87,15 @@ impl Control {
         }
     }
 
+    /// Over what its [conjugate](Self::conjugate) changes: sigma_max, or the range under a load.
+    pub fn conjugate_unit(&self, law: &Law) -> f64 {
+        if *self == Self::Load {
+            law.range
+        } else {
+            law.traction_max()
+        }
+    }
+
     /// u0 of the stop on which a load holds the body apart (length), in a cell in which the softest
     /// wave is as stiff as the longest of a half-space in one of side `length`; the highest point of
     /// the ground at zero. There the ground is not felt any more, neither by a flat surface nor by

@@ -89,11 +89,7 @@ const SMOOTH: f64 = 0.05;
 pub(crate) fn audit(system: &System, from: &State, to: &State) -> bool {
     let (control, law) = (system.control(), system.law());
     let conjugate = |of: &State| control.conjugate(of.mean_displacement, of.stress);
-    let scale = if control == Control::Load {
-        law.range
-    } else {
-        law.traction_max()
-    };
+    let scale = control.conjugate_unit(law);
     let step = to.control - from.control;
     let (before, after) = (conjugate(from), conjugate(to));
     let missing = (to.energy - from.energy - 0.5 * (after + before) * step).abs();

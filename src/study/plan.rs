@@ -11,7 +11,6 @@
 use crate::follow::atlas::{Atlas, Cycle, Meshes, Unmapped};
 use crate::follow::diagram::{Diagram, Observe};
 use crate::follow::flat_branch::FlatBranch;
-use crate::follow::ledger::LOSS_MIN;
 use crate::follow::record::JumpRecord;
 use crate::follow::run::{LoopRun, Outcome, Report, RivalLoop, run_loop, walked_after_all};
 use crate::follow::walk::WalkOptions;
@@ -424,7 +423,7 @@ fn error_bar(
         .iter()
         .map(|jumps| measured_error(&run.record.jumps, jumps))
         .fold(1.0, f64::min);
-    let located = if loss > LOSS_MIN {
+    let located = if loss > 0.0 {
         WITHIN * ledger.released_energy_error / loss
     } else {
         0.0

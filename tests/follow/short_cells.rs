@@ -88,8 +88,47 @@ fn where_patterns_fade_the_atlas_has_the_loop_of_the_walk() {
         let tallies = [&atlas, &walk].map(|run| run.record.tally());
         assert_eq!(tallies[0], tallies[1], "{shape:?} {periods}");
         let error = measured_error(&atlas.record.jumps, &walk.record.jumps);
-        assert!(error < 3e-5, "{shape:?} {periods}: {error}");
+        // Some of these loops lose less than a millionth of gamma, and ends are found within 1e-5 ranges.
+        let located = [&atlas, &walk]
+            .map(|run| run.ledger(0.15).unwrap().stated_error(0.0).unwrap())
+            .iter()
+            .sum::<f64>();
+        assert!(error < 3e-5 + located, "{shape:?} {periods}: {error}");
         assert_eq!(atlas.ledger(0.15).unwrap().open, None);
+    }
+}
+
+#[test]
+fn a_jump_is_one_to_walk_and_atlas_however_little_it_releases() {
+    // Dimples live on for 1e-4 to 1e-3 ranges beyond the limit.
+    for (shape, periods) in [
+        (Shape::Morse(Morse), 1.196),
+        (Shape::Morse(Morse), 1.205),
+        (
+            Shape::Mie(Mie {
+                m: 10.072,
+                n: 3.666,
+            }),
+            1.218,
+        ),
+    ] {
+        let scene = short(shape, periods);
+        let (atlas, walk) = (off_the_atlas(&scene), walked(&scene, Part::Quarter));
+        let faintest = |run: &LoopRun| {
+            let released = run.record.jumps.iter().map(|jump| jump.released_energy);
+            released.fold(f64::INFINITY, f64::min)
+        };
+        assert!(0.0 < faintest(&atlas) && faintest(&atlas) < 1e-6);
+        let tallies = [&atlas, &walk].map(|run| run.record.tally());
+        assert_eq!(tallies[0], tallies[1], "{shape:?} {periods}");
+        for (a, b) in atlas.record.jumps.iter().zip(&walk.record.jumps) {
+            let off = (a.released_energy - b.released_energy).abs();
+            assert!(
+                off < a.release_error + b.release_error + 1e-10,
+                "{a:?} {b:?}"
+            );
+            assert!((a.control - b.control).abs() < 1e-5, "{a:?} {b:?}");
+        }
     }
 }
 

@@ -2,7 +2,7 @@
 //! for any drive, a loop: the legs between jumps, and the energy each jump releases.
 
 use super::{Atlas, Unmapped};
-use crate::follow::record::{Cause, Direction, EVENT, JumpRecord, LOCATED};
+use crate::follow::record::{Cause, Direction, JumpRecord, is_jump, located_energy};
 use crate::numerics::dense::{add, hermite};
 use crate::physics::control::Control;
 use crate::physics::pattern::Pattern;
@@ -488,23 +488,24 @@ impl Traversal {
             return Err(Unmapped::at(at, "a jump lands beside its branch"));
         }
         let (before, after) = (atlas.at(self.place, at), atlas.at(next, at));
-        let is_continuous = match self.place {
+        let fades = match self.place {
             Place::Flat(_) => atlas.fades(next, side.opposite()),
             Place::On(_) => atlas.fades(self.place, side),
         };
-        let cause = if is_continuous {
-            Cause::Transition
-        } else {
-            cause
-        };
         let freed = (before.energy - after.energy) / atlas.meshes.law.surface_energy;
-        let both_patterned = [self.place, next]
+        let patterned = [self.place, next]
             .iter()
-            .all(|at| matches!(at, Place::On(_)));
-        if both_patterned && freed.abs() <= EVENT && next != self.place {
+            .filter(|at| matches!(at, Place::On(_)))
+            .count();
+        let (control, law) = (atlas.meshes.control, &atlas.meshes.law);
+        let conjugates =
+            [&before, &after].map(|state| control.conjugate(state.mean_displacement, state.stress));
+        let jumped = is_jump(control, law, conjugates, freed);
+        if patterned == 2 && !jumped && next != self.place {
             (self.place, self.begins) = (next, false);
             return Ok(None);
         }
+        let is_continuous = fades || patterned == 1 && !jumped;
         let released_energy = if is_continuous { 0.0 } else { freed };
         if !(released_energy > 0.0 || is_continuous) || next == self.place {
             return Err(Unmapped::at(
@@ -512,17 +513,11 @@ impl Traversal {
                 format!("a jump would release {released_energy:.2e} gamma"),
             ));
         }
-        let control = atlas.meshes.control;
         let release_error = match self.place {
             _ if is_continuous => freed.abs(),
             // In closed form.
             Place::Flat(_) => 0.0,
-            Place::On(_) => {
-                let [one, other] = [&before, &after]
-                    .map(|state| control.conjugate(state.mean_displacement, state.stress));
-                LOCATED * control.unit(&atlas.meshes.law) * (one - other).abs()
-                    / atlas.meshes.law.surface_energy
-            }
+            Place::On(_) => located_energy(control, law, conjugates),
         };
         let [u0, landed] = [&before, &after].map(|state| state.mean_displacement);
         let jump = JumpRecord {
@@ -536,11 +531,15 @@ impl Traversal {
             stress_after: after.stress,
             released_energy,
             release_error,
-            cause,
+            cause: if is_continuous {
+                Cause::Transition
+            } else {
+                cause
+            },
             landings: atlas.contested(self.place, side),
         };
         self.place = next;
-        self.begins = !is_continuous;
+        self.begins = !fades;
         Ok(Some(jump))
     }
 

@@ -3,7 +3,7 @@
 
 use super::read_off::{Branch, End, Support, between, node_between};
 use crate::follow::flat_branch::{Fading, refade};
-use crate::follow::record::LOCATED;
+use crate::follow::record::{LOCATED, has_turned};
 use crate::numerics::dense::{add, norm};
 use crate::physics::control::Control;
 use crate::physics::system::{Fields, carried};
@@ -30,9 +30,6 @@ const SOFT: f64 = 0.1;
 const ONE: f64 = 0.1;
 /// Share of q1 to which the eigenvalue that vanishes at a fold is known there.
 const FOLDED: f64 = 1e-3;
-/// Accuracy (ranges) of u0 where a machine turns back: the control is then off by parts in a
-/// million.
-const TURN: f64 = 1e-3;
 /// A curve fits where it has the stress of a node between its supports to this share of sigma_max;
 /// and most nodes that are added for it.
 const FIT: f64 = 1e-6;
@@ -335,21 +332,20 @@ fn turning_point(control: Control, stable: &Node, beyond: &Node) -> f64 {
     })
 }
 
-/// The node there. As the control is stationary, its value and the energy are known to second order
-/// in what u0 is off.
+/// The node there.
 fn turn(
     sector: &mut Sector,
     control: Control,
     stable: &Node,
     beyond: &Node,
 ) -> Result<(Node, Fields), Lost> {
-    let near = TURN * sector.system().law().range;
+    let law = *sector.system().law();
     let (mut a, mut b) = (stable.clone(), beyond.clone());
     let mut last = f64::INFINITY;
     for _ in 0..CROSSINGS {
         let u0 = turning_point(control, &a, &b);
         let (mut node, fields) = node_between(sector, (&a, &b), u0, None, SHARP)?;
-        if (u0 - last).abs() < near {
+        if has_turned(control, &law, node.slope, u0 - last) {
             sector.sharpen(&mut node, &fields);
             node.bend = (node.slope - a.slope) / (u0 - a.u0());
             return Ok((node, fields));
@@ -450,7 +446,9 @@ fn vanishing(met: &[(f64, f64)]) -> f64 {
 /// It was not found.
 fn returned(sector: &mut Sector, control: Control, near: &Node) -> Result<Node, Lost> {
     let softened = |node: &Node| node.slope + control.stiffness();
-    let (mut node, _, rate) = zero_along(sector, near, TURN, softened)?;
+    let law = *sector.system().law();
+    let found = |node: &Node, off| has_turned(control, &law, node.slope, off);
+    let (mut node, _, rate) = zero_along(sector, near, softened, found)?;
     node.bend = rate;
     Ok(node)
 }
@@ -460,17 +458,19 @@ fn returned(sector: &mut Sector, control: Control, near: &Node) -> Result<Node, 
 /// # Errors
 /// It was not found.
 fn recross(sector: &mut Sector, near: &Node) -> Result<Node, Lost> {
-    let (node, correction, rate) = zero_along(sector, near, LOCATED, |node| node.breaking)?;
+    let within = LOCATED * sector.system().law().range;
+    let found = |_: &Node, off: f64| off.abs() < within;
+    let (node, correction, rate) = zero_along(sector, near, |node| node.breaking, found)?;
     Ok(moved(node, correction, rate))
 }
 
-/// The node next to `near` at which a `value` that falls at its rate `near.bend` vanishes within so
-/// many ranges; how far it is still off, and the rate there.
+/// The node next to `near` at which a `value` that falls at its rate `near.bend` vanishes; how far
+/// off that still is, when it is `near_enough`, and the rate there.
 fn zero_along(
     sector: &mut Sector,
     near: &Node,
-    within: f64,
     value: impl Fn(&Node) -> f64,
+    near_enough: impl Fn(&Node, f64) -> bool,
 ) -> Result<(Node, f64, f64), Lost> {
     let range = sector.system().law().range;
     let (mut u0, mut z) = (near.u0(), near.state.amplitudes.clone());
@@ -487,7 +487,7 @@ fn zero_along(
         if node.own <= 0.0 || !(correction.abs() < LONGEST * range) {
             break;
         }
-        if correction.abs() < within * range {
+        if near_enough(&node, correction) {
             return Ok((node, correction, rate));
         }
         z = node.state.amplitudes.clone();

@@ -102,21 +102,23 @@ impl Walk {
         free + self.unit() * longest
     }
 
-    /// Where the branch is expected to end, seen from its last two states: at a fold the eigenvalue
-    /// vanishes as a square root.
-    fn expected_fold(&self) -> Option<f64> {
+    /// Where the branch is expected to end, seen from its last two states: the eigenvalue vanishes
+    /// as a square root at a fold, and linearly where a symmetry breaks.
+    fn expected_end(&self, cause: Cause) -> Option<f64> {
         let Before { at, stiffness, .. } = self.behind.before?;
         let (here, now) = (self.here.state.control, self.here.stiffness_min?.value);
-        let fallen = stiffness * stiffness - now * now;
-        (now < stiffness).then(|| here + (here - at) * now * now / fallen)
+        let power = if cause == Cause::Fold { 2 } else { 1 };
+        let (left, fallen) = (now.powi(power), stiffness.powi(power) - now.powi(power));
+        (now < stiffness).then(|| here + (here - at) * left / fallen)
     }
 
-    /// Where on the way from here to a barrier the eigenvalue is expected to vanish, 0 to 1.
-    fn expected_share(&self, barrier: &Barrier) -> Option<f64> {
+    /// Where on the way from here to a barrier the eigenvalue is expected to vanish, 0 to 1, if
+    /// that ends the branch for this `cause`.
+    fn expected_share(&self, barrier: &Barrier, cause: Cause) -> Option<f64> {
         let here = self.here.state.control;
         let share = match (self.here.stiffness_min, barrier.stiffness) {
             (Some(a), Some(b)) => a.value / (a.value - b),
-            _ => (self.expected_fold()? - here) / (barrier.at - here),
+            _ => (self.expected_end(cause)? - here) / (barrier.at - here),
         };
         (0.0..1.0).contains(&share).then_some(share)
     }
@@ -127,13 +129,10 @@ impl Walk {
     }
 
     /// The end of the branch in the bracket up to `barrier`, which is as narrow as it gets.
-    fn located(&self, barrier: Barrier) -> Barrier {
+    pub(super) fn located(&self, barrier: &Barrier, cause: Cause) -> f64 {
         let here = self.here.state.control;
-        let share = self.expected_share(&barrier).unwrap_or(1.0);
-        Barrier {
-            at: here + share * (barrier.at - here),
-            ..barrier
-        }
+        let share = self.expected_share(barrier, cause).unwrap_or(1.0);
+        here + share * (barrier.at - here)
     }
 
     /// The next trial between here and a barrier: close to where the eigenvalue is expected to
@@ -142,7 +141,7 @@ impl Walk {
     fn towards(&self, Bracket { barrier, halve, .. }: &Bracket) -> f64 {
         let here = self.here.state.control;
         let width = barrier.at - here;
-        let Some(share) = self.expected_share(barrier) else {
+        let Some(share) = self.expected_share(barrier, Cause::Fold) else {
             return here + 0.5 * width;
         };
         let fine = self.located_within() / width.abs();
@@ -175,7 +174,7 @@ impl Walk {
         let next = match &reached {
             // An unstable equilibrium was seen there: nothing to confirm.
             Some(barrier) if barrier.stiffness.is_some() => {
-                return self.release(self.located(barrier.clone()));
+                return self.release(barrier.clone());
             }
             // Newton failed there from afar. From this close, and from the state alone, its failure
             // means a fold.
@@ -220,8 +219,8 @@ impl Walk {
                     // faded, a bracket says so.
                     let faded = locates
                         && reached.is_none()
-                        && self.is_as_good_as_flat(&state)
-                        && !self.is_as_good_as_flat(&self.here);
+                        && self.is_as_good_as_flat(&state.state, state.residual)
+                        && !self.is_as_good_as_flat(&self.here.state, self.here.residual);
                     if !faded {
                         return self.take(state, observe);
                     }
@@ -248,7 +247,7 @@ impl Walk {
             if barrier.stiffness.is_none() {
                 barrier.soft_mode = self.here.soft_mode.clone();
             }
-            return self.release(self.located(barrier));
+            return self.release(barrier);
         }
         self.bracket(barrier);
         Progress::Working
@@ -286,11 +285,7 @@ impl Walk {
             ((c - b) / step - (b - a) / (here.control - before.at)) / (there.control - before.at);
         let curved = bend * step.powi(3) / 6.0;
         let missing = there.energy - here.energy - 0.5 * (b + c) * step + curved;
-        let scale = if self.control() == Control::Load {
-            self.model.law.range
-        } else {
-            self.model.law.traction_max()
-        };
+        let scale = self.control().conjugate_unit(&self.model.law);
         missing.abs() > BENT * curved.abs() + MISSED * scale * step.abs()
     }
 
@@ -306,7 +301,7 @@ impl Walk {
         };
         let left = barrier.at - self.here.state.control;
         let expected = self
-            .expected_fold()
+            .expected_end(Cause::Fold)
             .is_some_and(|fold| (fold - self.here.state.control) / left < 1.5);
         if barrier.stiffness.is_none() && !expected && left.abs() > self.located_within() {
             self.phase = Phase::Following;
@@ -441,9 +436,9 @@ impl Walk {
                 conjugate,
                 released,
                 cause: Cause::Fold,
+                jumped: true,
                 landings: Vec::new(),
             },
-            RELEASED,
             observe,
         );
         Some(Progress::Working)

@@ -9,17 +9,16 @@
 use super::{Barrier, Observed, Progress, Walk};
 use crate::follow::atlas::{Explorer, Fall, angle};
 use crate::follow::flat_branch::FlatBranch;
-use crate::follow::record::{Cause, Direction, EVENT, JumpRecord};
+use crate::follow::record::{Cause, Direction, JumpRecord};
 use crate::numerics::dense::{norm, scale};
 use crate::physics::control::Control;
 use crate::physics::indenter::Indenter;
 use crate::physics::pattern::Pattern;
-use crate::physics::system::{System, carried};
+use crate::physics::system::{State, System, carried};
 use crate::physics::theory::flat_limits;
 use crate::scene::{Model, no_quarter};
 use crate::solver::mechanics::Mechanics;
 use crate::solver::method::{Cost, Equilibrium, Stiffness, Stop};
-use crate::solver::newton::{NewtonLimits, solve};
 use crate::solver::stability::random_smooth;
 use ndarray::{Array2, Axis};
 use std::f64::consts::PI;
@@ -35,12 +34,6 @@ const FLAT_STEP: f64 = 0.02;
 /// Distance (ranges) of the end of a block from which on it does so: a soft spring may begin millions of
 /// ranges farther off.
 const BLOCK_END: f64 = 4.0;
-/// Released energy, in gamma, from which nobody asks whether a landing on another pattern was a
-/// jump.
-const WEAK: f64 = 1e-2;
-/// How far before a limit, in ranges, a jump is told from a continuous transition: more than limits
-/// are uncertain.
-const APART: f64 = 1e-4;
 
 /// The flat body on the stop under the load `control`. Two transforms.
 pub(in crate::follow) fn apart(mechanics: &mut Mechanics, control: f64) -> Equilibrium {
@@ -115,14 +108,14 @@ impl Walk {
             return Progress::Cancelled;
         }
         let soft = self.soft_wave_to(landings.first());
-        self.release_because(Cause::FlatLimit, Barrier::blind(at, soft), landings)
+        self.release_because(Cause::FlatLimit, at, Barrier::blind(at, soft), landings)
     }
 
     /// Lets the body go as a block where the control is `at`.
     fn release_block(&mut self, at: f64) -> Progress {
         let mut block = vec![0.0; self.system().dimension()];
         block[0] = 1.0;
-        self.release_because(Cause::Fold, Barrier::blind(at, block), Vec::new())
+        self.release_because(Cause::Fold, at, Barrier::blind(at, block), Vec::new())
     }
 
     /// How far the flat state goes at once on the way from a `gap` to another while the control
@@ -231,54 +224,22 @@ impl Walk {
         self.release_block(touch - self.located_within())
     }
 
-    /// True if the surface came to the present state, of another pattern, without a jump: then the
-    /// branch it is on goes over into the one it left, as at a supercritical bifurcation, and there
-    /// is no stable state of it at a distance before the limit. After a jump there is one, beside
-    /// the state that was left.
-    pub(super) fn is_continuous(
-        &mut self,
-        from: Pattern,
-        to: Pattern,
-        released: f64,
-        event: f64,
-    ) -> bool {
-        let weak = released < WEAK && (from == Pattern::Flat) != (to == Pattern::Flat);
-        let Some(flat) = self.flat.filter(|_| weak) else {
-            return false;
-        };
-        let side = if self.direction == Direction::Approach {
-            1.0
-        } else {
-            -1.0
-        };
-        if to == Pattern::Flat {
-            let before = self.here.state.mean_displacement + side * APART * self.model.law.range;
-            return !flat.is_stable(before);
-        }
-        let before = self.here.state.control + side * APART * self.unit();
-        // So soft a state is told from the flat one only by a small residual.
-        let limits = NewtonLimits {
-            tolerance: self.system().precision().floor().max(1e-10),
-            ..NewtonLimits::of(self.system())
-        };
-        // The state is taken already: this last question is answered even if somebody asks to stop.
-        let cancel = std::mem::take(&mut self.mechanics.cancel);
-        let pattern = self.here.state.amplitudes.clone();
-        let found = solve(&mut self.mechanics, pattern, before, limits);
-        self.mechanics.cancel = cancel;
-        match found.end {
-            Ok(()) => found.at.state.roughness() < 0.5 * self.here.state.roughness(),
-            Err(_) => released.abs() <= event,
-        }
+    /// True where the flat state is stable and `state` no more than a trace of a pattern on it, which
+    /// its `residual` lets be.
+    pub(super) fn is_as_good_as_flat(&self, state: &State, residual: f64) -> bool {
+        let (u0, energy) = (state.mean_displacement, state.body_energy(self.control()));
+        self.flat.is_some_and(|flat| flat.is_stable(u0)) && self.is_trace([u0, energy, residual])
     }
 
-    /// True where the flat state is stable and `state` no more than a trace of a pattern on it,
-    /// which the tolerance lets be.
-    pub(super) fn is_as_good_as_flat(&self, state: &Equilibrium) -> bool {
-        let (at, law) = (state.state.mean_displacement, &self.model.law);
-        self.flat.is_some_and(|flat| flat.is_stable(at))
-            && (state.state.body_energy(self.control()) - law.at(at).energy).abs()
-                <= EVENT * law.surface_energy
+    /// True if a state at gap `u0` with this `energy` of body and cohesion is no more than a trace of
+    /// a pattern on the flat one: as much as its `residual` leaves open along the softest wave.
+    fn is_trace(&self, [u0, energy, residual]: [f64; 3]) -> bool {
+        let (Some(flat), law) = (self.flat, &self.model.law) else {
+            return false;
+        };
+        let open = self.energy_open(residual, flat.stiffness(u0));
+        let rounding = self.system().precision().rounding() * law.surface_energy.max(energy.abs());
+        (energy - law.at(u0).energy).abs() <= open + rounding
     }
 
     /// Tells of a pattern that came out of the flat state, or went into it, on the way to the
@@ -295,14 +256,14 @@ impl Walk {
             return;
         };
         let leaves = flat.is_stable(a.mean_displacement);
-        let (stable, energy, pattern) = if leaves {
-            (a.mean_displacement, a.energy, now)
+        let energy = b.body_energy(self.control());
+        let (stable, pattern) = if leaves {
+            ([a.mean_displacement, a.energy, a.residual], now)
         } else {
-            (b.mean_displacement, b.energy, a.pattern)
+            let residual = self.here.residual;
+            ([b.mean_displacement, energy, residual], a.pattern)
         };
-        if (energy - law.at(stable).energy).abs() > EVENT * law.surface_energy
-            || pattern == Pattern::Flat
-        {
+        if !self.is_trace(stable) || pattern == Pattern::Flat {
             return;
         }
         let stress = law.at(at).traction;
@@ -319,7 +280,7 @@ impl Walk {
             stress_before: stress,
             stress_after: stress,
             released_energy: 0.0,
-            release_error: (a.energy + work - b.energy).abs() / law.surface_energy,
+            release_error: (a.energy + work - energy).abs() / law.surface_energy,
             cause: Cause::Transition,
             landings: Vec::new(),
         }));

@@ -5,7 +5,7 @@ use super::advance::FIRST;
 use super::flat::apart;
 use super::{Barrier, Behind, Jumping, Observed, Phase, Progress, Stuck, Walk};
 use crate::follow::atlas::{FLAT_KICK, Fall, KICK};
-use crate::follow::record::{Cause, EVENT, JumpRecord, Share};
+use crate::follow::record::{Cause, JumpRecord, SAME, Share, is_jump};
 use crate::numerics::dense::{add, dot, norm};
 use crate::numerics::krylov::CgLimits;
 use crate::physics::pattern::Pattern;
@@ -38,8 +38,11 @@ const MOST: f64 = 10.0;
 /// How much shallower a push becomes that has more, and how often.
 const SHALLOWER: f64 = 0.8;
 const TRIALS: usize = 60;
-/// Largest difference in stress (sigma_max) between two descriptions of one state.
-const SAME: f64 = 1e-4;
+/// Energy (gamma) by which a landing may seem to lie higher than where it began.
+const HIGHER: f64 = 1e-6;
+/// How much farther on a release is tried again that came back to its branch, as a share of the way
+/// on which that ends somewhere.
+const FARTHER: f64 = 0.1;
 
 /// What is pressed into the surface: a Gaussian, less its mean.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -60,6 +63,8 @@ pub(super) struct Leaving {
     pub(super) released: f64,
     /// What gave way.
     pub(super) cause: Cause,
+    /// False if it may as well have gone over into where it landed.
+    pub(super) jumped: bool,
     /// Where kicks lead, if that is contested.
     pub(super) landings: Vec<Share>,
 }
@@ -69,17 +74,20 @@ impl Walk {
     /// the energy falls.
     pub(super) fn release(&mut self, barrier: Barrier) -> Progress {
         let cause = self.cause(&barrier.soft_mode);
-        self.release_because(cause, barrier, Vec::new())
+        let at = self.located(&barrier, cause);
+        self.release_because(cause, at, barrier, Vec::new())
     }
 
-    /// Starts the release at a barrier; from a flat limit that leads to several `landings`, to the
-    /// first of them.
+    /// Starts the release where the control is `at`, no farther than a barrier; from a flat limit
+    /// that leads to several `landings`, to the first of them.
     pub(super) fn release_because(
         &mut self,
         cause: Cause,
-        Barrier { at, soft_mode, .. }: Barrier,
+        at: f64,
+        barrier: Barrier,
         landings: Vec<Fall>,
     ) -> Progress {
+        let (latest, soft_mode) = (barrier.at, barrier.soft_mode);
         let (_, energy_before) = self.carried_to(at);
         let from_flat = cause == Cause::FlatLimit;
         let kick = if from_flat { FLAT_KICK } else { KICK };
@@ -97,6 +105,7 @@ impl Walk {
             soft_mode,
             kick,
             energy_before,
+            latest,
             landings,
         }))
     }
@@ -253,10 +262,11 @@ impl Walk {
             (jumping.kicks, jumping.release) = (2, self.release_from(there));
             return self.jump_on(jumping);
         }
+        let is_flat = settled.at.state.roughness() < 1e-4 * self.model.law.range
+            || self.is_as_good_as_flat(&settled.at.state, settled.residual);
         let landed = match self.flat {
-            Some(flat) if settled.at.state.roughness() < 1e-4 * self.model.law.range => {
-                let mut state = flat.state(self.system(), u0);
-                state.state.control = control;
+            Some(flat) if is_flat => {
+                let mut state = flat.state_at(self.system(), u0, control);
                 if state.stop == Stop::Unstable {
                     state.soft_mode = self.random_soft_wave();
                 }
@@ -373,7 +383,7 @@ impl Walk {
         let released = (jumping.energy_before - landed.state.energy) / law.surface_energy;
         let (conjugate, _) = self.carried_to(control);
         self.spent.counts.iterations += landed.cost.iterations;
-        if released < -EVENT && jumping.kick > LEAST_KICK {
+        if released < -HIGHER && jumping.kick > LEAST_KICK {
             // Where minima lie close together (a law whose stiffness jumps), so large a kick has
             // gone up and over into another one.
             jumping.kick *= 0.1;
@@ -387,11 +397,21 @@ impl Walk {
             jumping.release = self.release_from(kicked);
             return self.jump_on(jumping);
         }
-        if released < -EVENT {
+        if released < -HIGHER {
             return Progress::Stuck(Stuck::NegativeRelease {
                 mean_displacement: self.placed_at(control),
                 released,
             });
+        }
+        let after = self.conjugate(&landed.state);
+        let open = self.left_open(&self.here) + self.left_open(&landed);
+        let jumped = is_jump(self.control(), &law, [conjugate, after], released - open);
+        if !jumped && jumping.latest != control {
+            // The end lies a hair farther on than was expected.
+            let left = self.here.state.control;
+            let at = control + FARTHER * (jumping.latest - left);
+            let barrier = Barrier::blind(at, jumping.soft_mode);
+            return self.release_because(jumping.cause, at, barrier, Vec::new());
         }
         let Jumping {
             cause, landings, ..
@@ -404,17 +424,17 @@ impl Walk {
                 conjugate,
                 released,
                 cause,
+                jumped,
                 landings: shares.map(|fall| fall.share).collect(),
             },
-            EVENT,
             observe,
         );
         Progress::Working
     }
 
-    /// Stands on the state where a jump ended. What released less than `event` (gamma) was none,
-    /// unless the flat state was left or reached: Newton can fail on a branch that goes on, a mode
-    /// can soften without a jump, and faint patterns change their names.
+    /// Stands on the state where a release ended. If nothing jumped it goes on there, unless the flat
+    /// state was left or reached: Newton can fail on a branch that goes on, a mode can soften without a
+    /// jump, and faint patterns change their names.
     pub(super) fn arrive(
         &mut self,
         landed: Equilibrium,
@@ -422,9 +442,9 @@ impl Walk {
             conjugate,
             released,
             cause,
+            jumped,
             landings,
         }: Leaving,
-        event: f64,
         observe: &mut dyn FnMut(Observed),
     ) {
         let left = std::mem::replace(&mut self.here, landed);
@@ -434,31 +454,33 @@ impl Walk {
         (self.behind.before, self.behind.short) = (None, first.filter(|first| *first < self.step));
         let (from, to) = (self.record.pattern, self.pattern());
         let [from, to] = [(&left, from), (&self.here, to)].map(|(state, pattern)| {
-            if self.is_as_good_as_flat(state) {
+            if self.is_as_good_as_flat(&state.state, state.residual) {
                 Pattern::Flat
             } else {
                 pattern
             }
         });
-        if released <= event && (from == to || (from != Pattern::Flat && to != Pattern::Flat)) {
+        if !jumped && (from == to || (from != Pattern::Flat && to != Pattern::Flat)) {
             self.remember();
             return self.accept(observe);
         }
-        let control = self.here.state.control;
-        let way = (control - left.state.control).abs();
         // The end lies somewhere on the way from the last state: what the release changes on it,
-        // and what the energy was carried.
+        // and what the energy was carried. That of the flat state is exact.
+        let control = self.here.state.control;
+        let mut way = (control - left.state.control).abs();
+        if !left.is_uniform() {
+            way = way.max(self.located_within());
+        }
         let changed = (self.conjugate(&self.here.state) - conjugate).abs()
             + 0.5 * (conjugate - self.conjugate(&left.state)).abs();
         let located = way * changed / self.model.law.surface_energy;
-        let (released_energy, release_error, cause) =
-            if self.is_continuous(from, to, released, event) {
-                (0.0, released.abs(), Cause::Transition)
-            } else if from == to && self.is_of_the_mesh(&left) {
-                (released, located, Cause::Mesh)
-            } else {
-                (released, located, cause)
-            };
+        let (released_energy, release_error, cause) = if !jumped {
+            (0.0, released.abs(), Cause::Transition)
+        } else if from == to && self.is_of_the_mesh(&left) {
+            (released, located, Cause::Mesh)
+        } else {
+            (released, located, cause)
+        };
         self.behind.history = History::starting(&self.here.state);
         let before = self.control().place(control, conjugate);
         // Nothing else happened on the way.
@@ -545,6 +567,7 @@ impl Walk {
             soft_mode: Vec::new(),
             kick: 0.0,
             energy_before: self.here.state.energy,
+            latest: self.here.state.control,
             landings: Vec::new(),
         }));
     }
@@ -559,7 +582,7 @@ impl Walk {
         let (before, after) = (&left.state, &self.here.state);
         let released_energy = (before.energy - after.energy) / law.surface_energy;
         let changed = (before.stress - after.stress).abs() / law.traction_max();
-        if from != to || released_energy.abs() > EVENT || changed > SAME {
+        if from != to || released_energy.abs() > HIGHER || changed > SAME {
             let before = [before.mean_displacement, before.stress];
             let released = [released_energy, 0.0];
             observe(Observed::Jump(self.jumped(
