@@ -1,6 +1,6 @@
 //! What a loop must not depend on: the axis, the seed, the step, the part of the cell.
 
-use crate::loops::{flat_ground, preset_on, reach, start, walked};
+use crate::loops::{driven, flat_ground, preset_on, reach, start, walked};
 use ndarray::Array2;
 use tackscope::follow::record::{Cause, JumpRecord};
 use tackscope::follow::run::LoopRun;
@@ -314,4 +314,26 @@ fn ends_are_found_within_the_error_that_is_stated_with_any_step() {
             }
         }
     }
+}
+
+#[test]
+fn under_a_load_a_loop_over_waves_takes_the_same_states_in_any_unit_of_length() {
+    let states = |unit: f64| {
+        let mut scene = preset_on("wavy", Points::Square(16));
+        scene.cell.length *= unit;
+        scene.law.surface_energy *= unit;
+        scene.law.range = Range::Length(0.3 * unit);
+        scene.indenter = Indenter::Wave(Wave {
+            amplitude: 0.3 * unit,
+            periods: [2, 0],
+        });
+        let largest = scene.model().unwrap().law.traction_max();
+        let from = 0.2 * largest;
+        let scene = driven(scene, Control::Load, [from, -0.8 * largest, 0.05 * largest]);
+        let run = walked(&scene, Part::Whole);
+        assert!(!run.record.jumps.is_empty());
+        run.record.states.len()
+    };
+    let counts = [1.0, 1.0 / 1024.0, 1024.0].map(states);
+    assert!(counts.iter().all(|count| *count == counts[0]), "{counts:?}");
 }

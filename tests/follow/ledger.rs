@@ -10,10 +10,10 @@ use tackscope::follow::walk::{Observed, Progress, Stuck};
 use tackscope::numerics::threads::Cancel;
 use tackscope::physics::control::Control;
 use tackscope::physics::indenter::{Hertz, Indenter};
-use tackscope::physics::law::{Law, Mie, Morse, Shape};
+use tackscope::physics::law::{Cosine, Law, Mie, Morse, Shape};
 use tackscope::physics::pattern::Pattern;
 use tackscope::physics::theory::flat_limits;
-use tackscope::scene::{Part, Points, Scene, Turn};
+use tackscope::scene::{Drive, Part, Points, Scene, Turn};
 use tackscope::solver::Stop;
 
 /// A line cell of 64 points and `ratio` L_c, its law and its length.
@@ -280,6 +280,49 @@ fn patterns_that_come_and_go_continuously_do_so_at_the_limits_and_release_nothin
                     && ledger.integral_error < 1e-4,
             "{ledger:?}"
         );
+    }
+}
+
+/// gamma'' of the cosine law jumps from nothing where it ends, and all waves are soft at once: a ridge
+/// grows in proportion to the way from there.
+#[test]
+fn where_the_stiffness_of_a_law_jumps_a_ridge_grows_from_nothing() {
+    let cosine = Shape::Cosine(Cosine { smooth: false });
+    for ratio in [1.1, 1.4] {
+        let (mut scene, law, length) = line(cosine, ratio);
+        scene.cell.points = Points::Line(16);
+        let (_, end) = flat_limits(&law, length).unwrap();
+        scene.drive = Drive {
+            start: end + 0.2 * law.range,
+            ..scene.drive
+        };
+        let run = planned(&scene);
+        assert_eq!(run.outcome, Outcome::Completed, "{ratio}");
+        for (direction, [from, to]) in [
+            (Direction::Approach, [Pattern::Flat, Pattern::Ridge]),
+            (Direction::Retraction, [Pattern::Ridge, Pattern::Flat]),
+        ] {
+            let is_it = |jump: &&JumpRecord| {
+                (jump.direction, jump.from, jump.to) == (direction, from, to)
+                    && (jump.mean_displacement - end).abs() < 1e-4 * law.range
+            };
+            let told: Vec<_> = run.record.jumps.iter().filter(is_it).collect();
+            assert_eq!(told.len(), 1, "{ratio} {:?}", run.record.jumps);
+            assert_eq!(told[0].released_energy, 0.0);
+        }
+        // The stress is that of a linear problem next to there.
+        let near = run.record.states.iter().filter(|state| {
+            let way = (end - state.mean_displacement) / law.range;
+            state.direction == Direction::Approach && (1e-3..1e-2).contains(&way)
+        });
+        let rates: Vec<f64> = near
+            .map(|state| state.stress / (end - state.mean_displacement))
+            .collect();
+        let (least, most) = (
+            rates.iter().copied().fold(f64::INFINITY, f64::min),
+            rates.iter().copied().fold(0.0, f64::max),
+        );
+        assert!(rates.len() > 2 && most < 1.02 * least, "{rates:?}");
     }
 }
 

@@ -14,6 +14,7 @@ mod layer;
 mod ledger;
 #[path = "../shared/loops.rs"]
 mod loops;
+mod made_up_loops;
 mod push;
 mod short_cells;
 mod uneven;

@@ -31,6 +31,8 @@ const UNPUSHED: f64 = 1e-3;
 /// Stiffness of what the control pushes, over twice that of the softest wave, below which it gives
 /// way: at those folds it is 0.02 at most, elsewhere 0.18 and more.
 const SOFT: f64 = 0.05;
+/// Root mean square of a pattern (ranges) below which an unstable flat state is taken for it.
+pub(super) const FAINT: f64 = 1e-7;
 /// How often an unstable landing may be kicked on before the walk gives up.
 const KICKS: usize = 8;
 /// Most energy per area of a push (gamma): beyond it the law's wall alone is felt.
@@ -262,10 +264,11 @@ impl Walk {
             (jumping.kicks, jumping.release) = (2, self.release_from(there));
             return self.jump_on(jumping);
         }
-        let is_flat = settled.at.state.roughness() < 1e-4 * self.model.law.range
+        let (range, roughness) = (self.model.law.range, settled.at.state.roughness());
+        let is_flat = roughness < 1e-4 * range
             || self.is_as_good_as_flat(&settled.at.state, settled.residual);
         let landed = match self.flat {
-            Some(flat) if is_flat => {
+            Some(flat) if is_flat && (flat.is_stable(u0) || roughness < FAINT * range) => {
                 let mut state = flat.state_at(self.system(), u0, control);
                 if state.stop == Stop::Unstable {
                     state.soft_mode = self.random_soft_wave();
@@ -282,6 +285,15 @@ impl Walk {
         };
         if landed.stop == Stop::Unstable {
             if jumping.kicks >= KICKS {
+                if jumping.cause == Cause::FlatLimit && jumping.latest == control {
+                    // Where gamma'' jumps a pattern grows in proportion to the way beyond the limit.
+                    let beyond = self
+                        .located_within()
+                        .copysign(control - self.here.state.control);
+                    let barrier = Barrier::blind(control, jumping.soft_mode);
+                    let at = control + beyond;
+                    return self.release_because(jumping.cause, at, barrier, Vec::new());
+                }
                 return Progress::Stuck(Stuck::OnlyUnstable {
                     mean_displacement: u0,
                 });
@@ -449,8 +461,8 @@ impl Walk {
     ) {
         let left = std::mem::replace(&mut self.here, landed);
         // The flat state is known everywhere.
-        let first = (!(self.flat.is_some() && self.here.is_uniform()))
-            .then_some(FIRST * self.model.law.range);
+        let first =
+            (!(self.flat.is_some() && self.here.is_uniform())).then_some(FIRST * self.unit());
         (self.behind.before, self.behind.short) = (None, first.filter(|first| *first < self.step));
         let (from, to) = (self.record.pattern, self.pattern());
         let [from, to] = [(&left, from), (&self.here, to)].map(|(state, pattern)| {

@@ -2,6 +2,7 @@
 //! further, and what it costs.
 
 use super::Walk;
+use super::landing::FAINT;
 use crate::follow::atlas::Unmapped;
 use crate::follow::record::{JumpRecord, StateRecord};
 use crate::physics::pattern::{Pattern, classify, contact_area};
@@ -163,7 +164,16 @@ impl Walk {
         if is_flat && (self.here.is_uniform() || thermal) {
             return Pattern::Flat;
         }
-        self.pattern_of(&self.here.fields.gap)
+        let (gap, u0) = (&self.here.fields.gap, self.here.state.mean_displacement);
+        let unstable = self.flat.is_some_and(|flat| !flat.is_stable(u0));
+        match self.pattern_of(gap) {
+            // No longer flat, however faint.
+            Pattern::Flat if unstable && self.here.state.roughness() > FAINT * law.range => {
+                let larger = law.range / self.here.state.roughness();
+                self.pattern_of(&gap.mapv(|g| u0 + larger * (g - u0)))
+            }
+            pattern => pattern,
+        }
     }
 
     /// The pattern of a surface with this `gap`.
