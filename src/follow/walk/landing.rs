@@ -504,32 +504,6 @@ impl Walk {
         self.accept(observe);
     }
 
-    /// A jump from this u0, stress and pattern to the present state and this pattern, with its released
-    /// energy and the error of that.
-    pub(super) fn jumped(
-        &self,
-        cause: Cause,
-        [u0, stress]: [f64; 2],
-        [from, to]: [Pattern; 2],
-        [released_energy, release_error]: [f64; 2],
-    ) -> JumpRecord {
-        let here = &self.here.state;
-        JumpRecord {
-            direction: self.direction,
-            control: here.control,
-            mean_displacement: u0,
-            mean_displacement_after: here.mean_displacement,
-            from,
-            to,
-            stress_before: stress,
-            stress_after: here.stress,
-            released_energy,
-            release_error,
-            cause,
-            landings: Vec::new(),
-        }
-    }
-
     /// The state it stands on with a push pressed into it, less deep where the law does not allow
     /// it. The control stays, and with it u0 where that is driven.
     pub fn pressed(&mut self, push: &Push) -> Evaluation {

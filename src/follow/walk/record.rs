@@ -4,7 +4,7 @@
 use super::Walk;
 use super::landing::FAINT;
 use crate::follow::atlas::Unmapped;
-use crate::follow::record::{JumpRecord, StateRecord};
+use crate::follow::record::{Cause, JumpRecord, StateRecord};
 use crate::physics::pattern::{Pattern, classify, contact_area};
 use crate::scene::Part;
 use crate::solver::method::{Cost, Stiffness};
@@ -180,6 +180,32 @@ impl Walk {
     pub(super) fn pattern_of(&self, gap: &Array2<f64>) -> Pattern {
         let system = self.system();
         classify(system.unfolded(gap).view(), system.law(), system.is_flat())
+    }
+
+    /// A jump from this u0, stress and pattern to the present state and this pattern, with its released
+    /// energy and the error of that.
+    pub(super) fn jumped(
+        &self,
+        cause: Cause,
+        [u0, stress]: [f64; 2],
+        [from, to]: [Pattern; 2],
+        [released_energy, release_error]: [f64; 2],
+    ) -> JumpRecord {
+        let here = &self.here.state;
+        JumpRecord {
+            direction: self.direction,
+            control: here.control,
+            mean_displacement: u0,
+            mean_displacement_after: here.mean_displacement,
+            from,
+            to,
+            stress_before: stress,
+            stress_after: here.stress,
+            released_energy,
+            release_error,
+            cause,
+            landings: Vec::new(),
+        }
     }
 
     /// Writes the record of the present state and hands it out.
