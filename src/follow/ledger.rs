@@ -6,7 +6,7 @@
 //! means, as far as the states lie close enough to integrate between them: it is the check beside
 //! the loss.
 
-use super::record::{Cause, JumpRecord, LoopRecord, StateRecord};
+use super::record::{Cause, JumpRecord, LoopRecord, SAME, StateRecord};
 use crate::solver::Stop;
 
 /// What a loop lost. Energies per area in units of gamma.
@@ -37,10 +37,7 @@ pub struct Open {
     pub remedy: String,
 }
 
-/// Share of the largest traction by which mean stresses of the same state may differ, beside their
-/// residuals.
-const SAME: f64 = 1e-4;
-/// The same for a state that lies between two others.
+/// [`SAME`] for a state that lies between two others.
 const BETWEEN: f64 = 1e-2;
 /// Residual below which a state has lost nothing on the way, whatever is known of its stability:
 /// energies are off by its square.

@@ -4,7 +4,7 @@
 use crate::control::sprung;
 use crate::diagram::{diagram, holds_jumps_of};
 use crate::loops::{flat_ground, preset_on, walked};
-use tackscope::follow::diagram::{Diagram, Kind};
+use tackscope::follow::diagram::{Diagram, EqualEnergy, Kind};
 use tackscope::follow::run::LoopRun;
 use tackscope::physics::indenter::{Indenter, Wave};
 use tackscope::physics::law::{DoubleExponential, Mie, Morse, Shape};
@@ -102,12 +102,9 @@ fn states_of_equal_energy_are_different_ones_and_listed_once() {
     for (i, pair) in equal.iter().enumerate() {
         let [a, b] = pair.stresses;
         assert!((a - b).abs() > 1e-4, "{pair:?}");
-        let again = |other: &_| {
-            let tackscope::follow::diagram::EqualEnergy {
-                control, stresses, ..
-            } = other;
-            let same = |k: usize| (stresses[k] - pair.stresses[k]).abs() < 1e-5;
-            (control - pair.control).abs() < 1e-5 && same(0) && same(1)
+        let again = |other: &EqualEnergy| {
+            let same = |k: usize| (other.stresses[k] - pair.stresses[k]).abs() < 1e-5;
+            (other.control - pair.control).abs() < 1e-5 && same(0) && same(1)
         };
         assert!(!equal[..i].iter().any(again), "{pair:?}");
     }

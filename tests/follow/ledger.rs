@@ -13,7 +13,7 @@ use tackscope::physics::indenter::{Hertz, Indenter};
 use tackscope::physics::law::{Cosine, Law, Mie, Morse, Shape};
 use tackscope::physics::pattern::Pattern;
 use tackscope::physics::theory::flat_limits;
-use tackscope::scene::{Drive, Part, Points, Scene, Turn};
+use tackscope::scene::{Part, Points, Scene, Turn};
 use tackscope::solver::Stop;
 
 /// A line cell of 64 points and `ratio` L_c, its law and its length.
@@ -292,10 +292,7 @@ fn where_the_stiffness_of_a_law_jumps_a_ridge_grows_from_nothing() {
         let (mut scene, law, length) = line(cosine, ratio);
         scene.cell.points = Points::Line(16);
         let (_, end) = flat_limits(&law, length).unwrap();
-        scene.drive = Drive {
-            start: end + 0.2 * law.range,
-            ..scene.drive
-        };
+        scene.drive.start = end + 0.2 * law.range;
         let run = planned(&scene);
         assert_eq!(run.outcome, Outcome::Completed, "{ratio}");
         for (direction, [from, to]) in [

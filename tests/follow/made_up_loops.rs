@@ -108,7 +108,9 @@ fn a_transition_told_too_late_hides_no_jump() {
         );
     }
     let told = ledger(&record);
-    assert!((told.loop_integral - AREA).abs() < 1e-3 * AREA, "{told:?}");
+    // Before the fold the stress is smooth, and integrated as well as it says.
+    let off = (told.loop_integral - AREA).abs();
+    assert!(off < told.integral_error && off < 1e-5, "{told:?}");
 }
 
 #[test]
@@ -175,6 +177,6 @@ fn a_way_back_beside_the_way_gone_closes_no_loop() {
     };
     let told = closed_after(0.0).expect("it lies on it");
     assert_eq!(told.open, None);
-    assert!((told.loop_integral - AREA).abs() < 1e-4, "{told:?}");
+    assert!((told.loop_integral - AREA).abs() < 1e-9, "{told:?}");
     assert!(closed_after(0.1).is_none());
 }
